@@ -44,7 +44,7 @@ struct LiveKey::Impl {
     if (fast() && k.empty_stage() != nullptr) stage.emplace(*k.empty_stage());
   }
   bool fast() const { return measure != nullptr && BitCleanUp::can(cleanup); }
-  void light(const PixelRows& rgb, const FloorShade* shade);
+  void light(const PixelRows& rgb, const CastShade* shade);
   void classify(const PixelRows& rgb, int width, int height);
   void crop();
   void close(const PixelRows& rgb);
@@ -76,7 +76,7 @@ LiveKey::~LiveKey() = default;
 
 bool LiveKey::fast() const { return impl_->fast(); }
 
-void LiveKey::Impl::light(const PixelRows& rgb, const FloorShade* shade) {
+void LiveKey::Impl::light(const PixelRows& rgb, const CastShade* shade) {
   measure = keyer.rows();
   if (shade == nullptr || !shade->any()) return;
   if (!lit)
@@ -211,7 +211,7 @@ void LiveKey::Impl::draw(const PixelRows& rgb, Sheet& sheet) {
       drawn.empty() ? BitBox{} : BitBox{left + drawn.x0, top + drawn.y0, left + drawn.x1, top + drawn.y1};
 }
 
-Result<Matte> LiveKey::key(const Frame& frame, const FloorShade* shade) {
+Result<Matte> LiveKey::key(const Frame& frame, const CastShade* shade) {
   Impl& own = *impl_;
   const ImageLayout& layout = frame.layout;
   const int width = layout.width, height = layout.height;

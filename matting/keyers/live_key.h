@@ -5,7 +5,7 @@
 #include "core/frame.h"
 #include "core/matte.h"
 #include "core/result.h"
-#include "matting/floor_shadows.h"
+#include "matting/cast_shadows.h"
 #include "matting/keyers/keyer.h"
 
 namespace floatstage::matting {
@@ -27,7 +27,7 @@ class LiveKey {
 
   /// As Keyer::key(). Before an empty stage that it compares with, shadows on the floor are none of the
   /// subject, as far as `shade`, of the picture and smaller, knows them.
-  Result<Matte> key(const Frame& frame, const FloorShade* shade = nullptr);
+  Result<Matte> key(const Frame& frame, const CastShade* shade = nullptr);
   /// Whether there is anything faster than key() here.
   bool fast() const;
 

@@ -25,7 +25,7 @@ constexpr float kDarkerThanSeen = 0.95F;  // of what a shade's means leave: nois
 using Share = std::array<float, 3>;
 
 // Whether shade falls in a row or in one beside it.
-bool is_any_near(const FloorShade& shade, int row) {
+bool is_any_near(const CastShade& shade, int row) {
   const auto width = static_cast<std::size_t>(shade.width);
   for (int v = std::max(0, row - 1); v <= std::min(shade.height - 1, row + 1); ++v)
     if (std::memchr(shade.mask.data() + static_cast<std::size_t>(v) * width, 255, width) != nullptr)
@@ -35,7 +35,7 @@ bool is_any_near(const FloorShade& shade, int row) {
 
 // What shade leaves of the plate around its pixel (x, y), the least; absent where none falls. At the rim of a
 // shadow its pixels show less of it than there is inside.
-std::optional<Share> left_around(const FloorShade& shade, int x, int y) {
+std::optional<Share> left_around(const CastShade& shade, int x, int y) {
   std::optional<Share> least;
   for (int v = std::max(0, y - 1); v <= std::min(shade.height - 1, y + 1); ++v)
     for (int u = std::max(0, x - 1); u <= std::min(shade.width - 1, x + 1); ++u) {
@@ -74,7 +74,7 @@ PlateDistance plate_distance(const std::uint8_t* p, const std::uint8_t* b, const
   return {std::sqrt(dr * dr + dg * dg + db * db), bright};
 }
 
-void PlateMeasure::light(const PixelRows& rgb, const FloorShade& shade) {
+void PlateMeasure::light(const PixelRows& rgb, const CastShade& shade) {
   for (const Lit& l : lit_) std::copy_n(l.learnt.data(), 3, color_.pixels.data() + 3 * l.pixel);
   lit_.clear();
   if (!shade.any()) return;

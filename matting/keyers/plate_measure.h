@@ -9,7 +9,7 @@
 #include "core/image.h"
 #include "core/matte.h"
 #include "core/result.h"
-#include "matting/floor_shadows.h"
+#include "matting/cast_shadows.h"
 #include "matting/keyers/keyer.h"
 #include "matting/keyers/plate.h"
 #include "matting/keyers/row_measure.h"
@@ -52,7 +52,7 @@ class PlateMeasure : public RowMeasure {
   /// Until the next call the plate is as the picture shows it where `shade` (of any size) falls and around
   /// it, of pixels that are of the plate's colour between that light and all of it; as it was learnt
   /// elsewhere.
-  void light(const PixelRows& rgb, const FloorShade& shade);
+  void light(const PixelRows& rgb, const CastShade& shade);
 
   /// The keyer's matte, whole pictures at a time: the reference of LiveKey. Nothing for a picture of another
   /// size than the plate, which fits() tells.

@@ -483,6 +483,8 @@ void ConsistentMatting::forget() {
   impl_->stages.forget();
 }
 
+int ConsistentMatting::walls() const { return impl_->stages.walls(); }
+
 Result<ConsistentMattes> ConsistentMatting::matte(std::span<const Image> pictures,
                                                   std::span<const Image> said,
                                                   const std::function<bool()>& go_on) {

@@ -92,6 +92,8 @@ class ConsistentMatting {
                                           const std::function<bool()>& go_on = nullptr);
   /// The next instant begins as if it were the first.
   void forget();
+  /// Walls on which shadows were found, which are none of the subject (matting/cast_shadows.h).
+  int walls() const;
 
   /// `pictures`: of each camera an RGB photograph of its size, or empty. `said`: empty, or of each camera
   /// what a person marked: one channel of the photograph's size (0 background, 255 subject, else unknown) or

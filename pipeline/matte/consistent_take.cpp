@@ -143,6 +143,13 @@ class Maker {
     for (ConsistentTakeReport::Camera& c : report_.cameras)
       for (double* sum : {&c.mean.subject, &c.mean.sure, &c.mean.border, &c.mean.missing, &c.mean.surplus})
         *sum /= std::max(1, c.made);
+    if (const int walls = matting_.walls(); walls > 0)
+      report_.remarks.insert(
+          report_.remarks.begin(),
+          text(
+              "what is darker on ", walls, walls > 1 ? " walls" : " wall",
+              " behind the subject is taken for shadow in all cameras, and is in no matte; if it is somebody "
+              "who stands there in dark clothes, take him in with strokes or another --matte"));
     if (report_.remarks.size() > kMostRemarks) {
       const std::size_t more = report_.remarks.size() - kMostRemarks;
       report_.remarks.resize(kMostRemarks);

@@ -24,7 +24,7 @@ StageEvidence::StageEvidence(const Rig& rig, std::vector<Eigen::Vector2i> sizes)
       stages_(rig.cameras.size()),
       views_(rig.cameras.size()),
       shadows_(rig) {
-  shadows_.seek_floor();
+  shadows_.seek_planes();
 }
 
 void StageEvidence::learn(std::size_t camera, matting::StillBackdrop backdrop) {
@@ -43,7 +43,7 @@ void StageEvidence::look(std::span<const Image> pictures, std::span<const Image>
     views_[i].lit = stages_[i].backdrop;
     before[i] = {&smaller[i], &views_[i].lit->colors()};
   }
-  const std::vector<matting::FloorShade>& shades = shadows_.find(before, threads);
+  const std::vector<matting::CastShade>& shades = shadows_.find(before, threads);
   parallel_for(stages_.size(), threads, [&](std::size_t i) {
     View& view = views_[i];
     if (!view.lit) return;
@@ -65,7 +65,7 @@ void StageEvidence::look(std::span<const Image> pictures, std::span<const Image>
 std::optional<Eigen::Hyperplane<double, 3>> StageEvidence::above_floor(const recon::OccupancyGrid& grid,
                                                                        const recon::SharedView& shared,
                                                                        float subject_above) const {
-  const matting::Floor& floor = shadows_.floor();
+  const matting::ShadedPlane& floor = shadows_.floor();
   const double on_floor = kOnFloor * shared.radius;
   if (!shadows_.found_floor()) {
     const Eigen::AlignedBox3d subject = grid.subject_box(subject_above);
@@ -73,7 +73,7 @@ std::optional<Eigen::Hyperplane<double, 3>> StageEvidence::above_floor(const rec
         subject.min().z() > kOffFloor * shared.radius)
       return std::nullopt;
   }
-  return Eigen::Hyperplane<double, 3>(floor.up, -(floor.height + on_floor));
+  return Eigen::Hyperplane<double, 3>(floor.normal, -(floor.offset + on_floor));
 }
 
 bool StageEvidence::hear_others(recon::OccupancyGrid& grid, const recon::SharedView& shared,

@@ -9,7 +9,7 @@
 
 #include "core/image.h"
 #include "core/rig.h"
-#include "matting/floor_shadows.h"
+#include "matting/cast_shadows.h"
 #include "matting/keyers/plate.h"
 #include "matting/known_by_plate.h"
 #include "matting/still_backdrop.h"
@@ -19,8 +19,8 @@
 namespace floatstage::pipeline {
 
 /// What still cameras know of their stages, and what that tells of the pictures of an instant: each camera by
-/// itself, of shadows on the floor by what several see there (matting/floor_shadows.h), and of clothes in the
-/// stage's colours by what several see changed above it.
+/// itself, of shadows on floor and walls by what several see there (matting/cast_shadows.h), and of clothes
+/// in the stage's colours by what several see changed above it.
 ///
 /// A pixel that is only darker or brighter than its empty stage may show the subject or his shadow, and tells
 /// nothing of itself. Shadows and reflexes lie on the floor (or in it): where other cameras see something
@@ -35,7 +35,9 @@ class StageEvidence {
   /// Of the photograph's size, with what it leaves at the smaller one.
   void learn(std::size_t camera, matting::Plate plate, matting::StillBackdrop backdrop);
   /// The next instant has nothing to do with the last.
-  void forget() { shadows_.seek_floor(); }
+  void forget() { shadows_.seek_planes(); }
+  /// On which shadows were found.
+  int walls() const { return static_cast<int>(shadows_.walls().size()); }
 
   /// What a camera's stage tells of the picture that was looked at.
   struct View {
@@ -69,7 +71,7 @@ class StageEvidence {
   std::vector<Eigen::Vector2i> sizes_;
   std::vector<Stage> stages_;
   std::vector<View> views_;
-  matting::FloorShadows shadows_;
+  matting::CastShadows shadows_;
 };
 
 }  // namespace floatstage::pipeline

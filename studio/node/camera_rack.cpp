@@ -67,7 +67,7 @@ void CameraRack::look(const TimedSet& set, const std::vector<bool>& textured, co
   const Timestamp begun = now();
   views.assign(nodes_.size(), nullptr);
   troubles_.resize(nodes_.size());
-  const std::vector<matting::FloorShade>* shades =
+  const std::vector<matting::CastShade>* shades =
       shadows_ ? &shadows_->look(set.images.frames, threads) : nullptr;
   times.key += milliseconds_of(now() - begun);
   parallel_for(nodes_.size(), threads, [&](std::size_t i) {

@@ -125,7 +125,7 @@ Result<std::shared_ptr<const ForegroundTile>> CameraViewMaker::tile_of(const Fra
 Result<std::shared_ptr<const CameraView>> CameraViewMaker::look(const Frame& frame, const Instant& instant,
                                                                 Timestamp produced, bool textured,
                                                                 const NodeQuality& quality,
-                                                                const matting::FloorShade* shade) {
+                                                                const matting::CastShade* shade) {
   std::shared_ptr<CameraView> taken = views_.take();
   CameraView& view = *taken;
   view.serial = serial_;

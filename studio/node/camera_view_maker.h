@@ -67,7 +67,7 @@ class CameraViewMaker {
   Result<std::shared_ptr<const CameraView>> look(const Frame& frame, const Instant& instant,
                                                  Timestamp produced, bool textured,
                                                  const NodeQuality& quality,
-                                                 const matting::FloorShade* shade = nullptr);
+                                                 const matting::CastShade* shade = nullptr);
 
   const std::string& serial() const { return serial_; }
   const NodeTimings& timings() const { return timings_; }  ///< of the last look()

@@ -31,7 +31,7 @@ std::optional<StageShadows> StageShadows::of(const Rig& rig, const std::vector<I
   return StageShadows(rig, std::move(cameras));
 }
 
-const std::vector<matting::FloorShade>& StageShadows::look(const std::vector<Frame>& frames, int threads) {
+const std::vector<matting::CastShade>& StageShadows::look(const std::vector<Frame>& frames, int threads) {
   parallel_for(cameras_.size(), threads, [&](std::size_t i) {
     Camera& camera = cameras_[i];
     const Frame& frame = frames[i];

@@ -6,12 +6,12 @@
 
 #include "core/frame.h"
 #include "core/rig.h"
-#include "matting/floor_shadows.h"
+#include "matting/cast_shadows.h"
 
 namespace floatstage::studio {
 
 /// Shadows on the floor in what the cameras of one machine see at an instant, told before anything is keyed
-/// from pictures of at most 160 pixels a side (matting/floor_shadows.h). Keeps its memory as FloorShadows
+/// from pictures of at most 160 pixels a side (matting/cast_shadows.h). Keeps its memory as CastShadows
 /// does. One thread at a time.
 class StageShadows {
  public:
@@ -21,7 +21,7 @@ class StageShadows {
 
   /// `frames` in rig order; one that is empty or of another size than its camera's is not looked at. Valid
   /// until the next call.
-  const std::vector<matting::FloorShade>& look(const std::vector<Frame>& frames, int threads);
+  const std::vector<matting::CastShade>& look(const std::vector<Frame>& frames, int threads);
 
  private:
   /// Of the stage: keys against a plate allow for lighter shadows by themselves (PlateKeyOptions).
@@ -36,7 +36,7 @@ class StageShadows {
 
   std::vector<Camera> cameras_;
   std::vector<matting::BeforeStage> before_;
-  matting::FloorShadows shadows_;
+  matting::CastShadows shadows_;
 };
 
 }  // namespace floatstage::studio

@@ -11,7 +11,7 @@ namespace floatstage::matting {
 namespace {
 
 void expect_no_allocations_once_warm(const std::string& spec, bool corrected = false,
-                                     const FloorShade* shade = nullptr) {
+                                     const CastShade* shade = nullptr) {
   Scene large, small;
   large.radius = 50;
   large.noise = small.noise = 6;
@@ -38,7 +38,7 @@ void expect_no_allocations_once_warm(const std::string& spec, bool corrected = f
 TEST(LiveKey, AllocatesNothingOnceItHasSeenItsSubjectAndGotItsMattesBack) {
   for (const char* spec : {"chroma:#28783c", "plate", "difference"}) expect_no_allocations_once_warm(spec);
   expect_no_allocations_once_warm("chroma:#28783c", true);
-  FloorShade shade{.width = 40, .height = 30, .mask = {}, .left = {}, .shadows = 200};
+  CastShade shade{.width = 40, .height = 30, .mask = {}, .left = {}, .shadows = 200};
   shade.left.assign(1200, {0.5F, 0.6F, 0.7F});
   shade.mask.assign(1200, 0);
   std::fill_n(shade.mask.begin() + 1000, 200, 255);
@@ -46,7 +46,7 @@ TEST(LiveKey, AllocatesNothingOnceItHasSeenItsSubjectAndGotItsMattesBack) {
 }
 
 // Three cameras at one place, and half as much light.
-TEST(FloorShadows, AllocateNothingOnceTheyHaveSeenAsMuch) {
+TEST(CastShadows, AllocateNothingOnceTheyHaveSeenAsMuch) {
   const Image stage = empty_stage({});
   Image picture = stage;
   for (std::uint8_t& v : picture.pixels) v /= 2;
@@ -58,7 +58,7 @@ TEST(FloorShadows, AllocateNothingOnceTheyHaveSeenAsMuch) {
     camera.cam_from_world = look_at({2, 0.01 * i, 1.5}, {0, 0, 0.5}, Eigen::Vector3d::UnitZ());
     rig.cameras.push_back(camera);
   }
-  FloorShadows shadows(rig);
+  CastShadows shadows(rig);
   const std::vector<BeforeStage> before(3, BeforeStage{&picture, &stage});
   for (int round = 0; round < 3; ++round) {
     const long so_far = test::allocations;

@@ -141,7 +141,7 @@ TEST(LiveKey, TakesNoShadowOnTheFloorForTheSubjectAndForgetsItAfterwards) {
   Scene scene;
   scene.noise = 1;
   Image shadowed = photograph(scene);
-  FloorShade shade{.width = 32, .height = 24, .mask = {}, .left = {}};
+  CastShade shade{.width = 32, .height = 24, .mask = {}, .left = {}};
   shade.mask.assign(32 * 24, 0);
   shade.left.assign(32 * 24, {0.5F, 0.6F, 0.7F});
   for (int y = 70; y < 110; ++y)

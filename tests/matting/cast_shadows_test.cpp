@@ -1,5 +1,5 @@
 // Somebody on a floor under a hard lamp, ray by ray: whose pixels are his shadow's, and whose are not.
-#include "matting/floor_shadows.h"
+#include "matting/cast_shadows.h"
 
 #include <cmath>
 
@@ -42,13 +42,13 @@ class UnderALamp {
     for (std::size_t i = 0; i < rig_.cameras.size(); ++i) seen_.push_back(shoot(rig_.cameras[i], i));
   }
 
-  std::vector<FloorShade> found(int threads = 2) const {
+  std::vector<CastShade> found(int threads = 2) const {
     std::vector<BeforeStage> before;
     for (const Seen& s : seen_) before.push_back({&s.picture, &s.stage});
-    return FloorShadows(rig_).find(before, threads);
+    return CastShadows(rig_).find(before, threads);
   }
   // The share of the pixels that show this which are found to be shadows, in all cameras.
-  double share(What what, const std::vector<FloorShade>& found) const {
+  double share(What what, const std::vector<CastShade>& found) const {
     double all = 0, shadow = 0;
     for (std::size_t i = 0; i < seen_.size(); ++i)
       for (std::size_t p = 0; p < seen_[i].what.size(); ++p)
@@ -118,22 +118,22 @@ class UnderALamp {
   std::vector<Seen> seen_;
 };
 
-TEST(FloorShadows, AreToldFromWhoCastsThemHoweverDarkTheyAre) {
+TEST(CastShadows, AreToldFromWhoCastsThemHoweverDarkTheyAre) {
   const UnderALamp stage({});
-  const std::vector<FloorShade> found = stage.found();
+  const std::vector<CastShade> found = stage.found();
   EXPECT_GT(stage.share(What::Shadow, found), 0.97);
   EXPECT_LT(stage.share(What::Pillar, found), 0.01);
   EXPECT_LT(stage.share(What::Floor, found), 0.005);
 }
 
-TEST(FloorShadows, AreToldOnAPlainFloorFromClothesThatLookLikeThem) {
+TEST(CastShadows, AreToldOnAPlainFloorFromClothesThatLookLikeThem) {
   const UnderALamp stage({.texture = 0, .same_tint = true});
-  const std::vector<FloorShade> found = stage.found();
+  const std::vector<CastShade> found = stage.found();
   EXPECT_GT(stage.share(What::Shadow, found), 0.9);
   EXPECT_LT(stage.share(What::Pillar, found), 0.02);
 }
 
-TEST(FloorShadows, AreFoundInNoiseAndThroughALens) {
+TEST(CastShadows, AreFoundInNoiseAndThroughALens) {
   const UnderALamp noisy({.noise = 6});
   EXPECT_GT(noisy.share(What::Shadow, noisy.found()), 0.9);
   EXPECT_LT(noisy.share(What::Pillar, noisy.found()), 0.02);
@@ -141,9 +141,9 @@ TEST(FloorShadows, AreFoundInNoiseAndThroughALens) {
   EXPECT_GT(bent.share(What::Shadow, bent.found()), 0.95);
 }
 
-TEST(FloorShadows, AreNotFoundWhereTheFloorIsNotUnlessItIsSought) {
+TEST(CastShadows, AreNotFoundWhereTheFloorIsNotUnlessItIsSought) {
   const UnderALamp stage({.height = 0.5});
-  const std::vector<FloorShade> found = stage.found();
+  const std::vector<CastShade> found = stage.found();
   EXPECT_LT(stage.share(What::Pillar, found), 0.02);
   EXPECT_LT(stage.share(What::Shadow, found), 0.3);
 }
@@ -159,53 +159,55 @@ Rig turned(Rig rig) {
   return rig;
 }
 
-TEST(FloorShadows, AreFoundOnAFloorThatIsSoughtForWhereTheWorldIsNotItsOwn) {
+TEST(CastShadows, AreFoundOnAFloorThatIsSoughtForWhereTheWorldIsNotItsOwn) {
   UnderALamp stage({});
   std::vector<BeforeStage> before;
   for (const Seen& s : stage.seen()) before.push_back({&s.picture, &s.stage});
-  FloorShadows shadows(turned(stage.rig()));
+  CastShadows shadows(turned(stage.rig()));
   EXPECT_LT(stage.share(What::Shadow, shadows.find(before, 2)), 0.1);
-  shadows.seek_floor();
-  const std::vector<FloorShade> found = shadows.find(before, 2);
+  shadows.seek_planes();
+  const std::vector<CastShade> found = shadows.find(before, 2);
   EXPECT_GT(stage.share(What::Shadow, found), 0.95);
   EXPECT_LT(stage.share(What::Pillar, found), 0.01);
-  EXPECT_NE(shadows.floor().height, 0);
-  const Floor there = shadows.floor();
+  EXPECT_NE(shadows.floor().offset, 0);
+  const ShadedPlane there = shadows.floor();
   EXPECT_EQ(shadows.find(before, 1)[0].mask, found[0].mask) << "it stays where it is";
-  EXPECT_EQ(shadows.floor().up, there.up);
+  EXPECT_EQ(shadows.floor().normal, there.normal);
 }
 
-TEST(FloorShadows, LeaveTheFloorWhereItIsIfShadowsAreThereOrNowhere) {
+TEST(CastShadows, LeaveTheFloorWhereItIsIfShadowsAreThereOrNowhere) {
   UnderALamp stage({});
   std::vector<BeforeStage> before;
   for (const Seen& s : stage.seen()) before.push_back({&s.picture, &s.stage});
-  FloorShadows shadows(stage.rig());
-  shadows.seek_floor();
+  CastShadows shadows(stage.rig());
+  shadows.seek_planes();
   shadows.find(before, 2);
-  EXPECT_EQ(shadows.floor().height, 0);
+  EXPECT_EQ(shadows.floor().offset, 0);
+  EXPECT_TRUE(shadows.found_floor());
   for (BeforeStage& b : before) b.picture = b.stage;
-  FloorShadows none(turned(stage.rig()));
-  none.seek_floor();
+  CastShadows none(turned(stage.rig()));
+  none.seek_planes();
   none.find(before, 2);
-  EXPECT_EQ(none.floor().height, 0);
+  EXPECT_EQ(none.floor().offset, 0);
+  EXPECT_FALSE(none.found_floor());
 }
 
-TEST(FloorShadows, AreToldByThreeCamerasAtLeast) {
+TEST(CastShadows, AreToldByThreeCamerasAtLeast) {
   const UnderALamp stage({}, 2);
-  for (const FloorShade& shade : stage.found()) EXPECT_FALSE(shade.any());
+  for (const CastShade& shade : stage.found()) EXPECT_FALSE(shade.any());
 }
 
-TEST(FloorShadows, OfACameraWithoutAPictureAreToldByNobodyAndAskNobody) {
+TEST(CastShadows, OfACameraWithoutAPictureAreToldByNobodyAndAskNobody) {
   UnderALamp stage({});
   stage.seen()[2].picture = {};
-  const std::vector<FloorShade> found = stage.found();
+  const std::vector<CastShade> found = stage.found();
   EXPECT_EQ(found[2].width, 0);
   EXPECT_GT(stage.share(What::Shadow, found), 0.65);  // of all, and that camera sees much of it
 }
 
-TEST(FloorShadows, AreTheSameAtAnyNumberOfThreads) {
+TEST(CastShadows, AreTheSameAtAnyNumberOfThreads) {
   const UnderALamp stage({});
-  const std::vector<FloorShade> one = stage.found(1), four = stage.found(4);
+  const std::vector<CastShade> one = stage.found(1), four = stage.found(4);
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].mask, four[i].mask);
 }
 
