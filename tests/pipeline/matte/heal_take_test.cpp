@@ -26,9 +26,10 @@ using testing::Not;
 /// no key stands out, and each lacks as much. Nobody shot plates, which would tell (ADR 0293).
 class HealTake : public testing::Test {
  protected:
-  void SetUp() override {
+  static void SetUpTestSuite() {
+    shot_ = new TempFolder;
     SynthesizeOptions options;
-    options.out = take_;
+    options.out = *shot_ / "take";
     options.rig.width = 320;
     options.rig.height = 240;
     options.studio.samples = 4;
@@ -36,8 +37,11 @@ class HealTake : public testing::Test {
     options.studio.defects.noise = 1;
     options.frames = 2;
     ASSERT_THAT(synthesize_take(options), IsOk());
-    fs::remove_all(take_ / "plates");
-    fs::copy(take_, other_, fs::copy_options::recursive);
+    fs::remove_all(options.out / "plates");
+  }
+  static void TearDownTestSuite() { delete shot_; }
+  void SetUp() override {
+    for (const fs::path& take : {take_, other_}) fs::copy(*shot_ / "take", take, fs::copy_options::recursive);
   }
   static Result<MatteReport> matte(const fs::path& take, bool redo = false) {
     return matte_take({.take = take, .how = "chroma", .redo = redo, .heal = true, .check = false});
@@ -84,6 +88,7 @@ class HealTake : public testing::Test {
     ASSERT_THAT(save_matte_edits(MatteEdits{{{"cam03", edits}}}, TakeLayout(take).edits()), IsOk());
   }
 
+  static inline TempFolder* shot_ = nullptr;
   TempFolder folder_;
   const fs::path take_ = folder_ / "take", other_ = folder_ / "other";
 };
