@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -96,8 +97,7 @@ class BeforeAWall {
         double far = along.y() > 0 ? (setting_.wall - eye.y()) / along.y() : 20;
         What on = What::OnWall;
         if (setting_.corner && along.x() > 0) far = std::min(far, (1.0 - eye.x()) / along.x());
-        if (along.z() < 0 && -eye.z() / along.z() < far)
-          far = -eye.z() / along.z(), on = What::OnFloor;
+        if (along.z() < 0 && -eye.z() / along.z() < far) far = -eye.z() / along.z(), on = What::OnFloor;
         const Eigen::Vector3d at = eye + far * along;
         const std::optional<Eigen::Vector3d> him = meets_him(eye, along, far);
         const bool shaded = setting_.lamp && (meets_him(at, lamp - at, 1) ||
@@ -122,9 +122,10 @@ class BeforeAWall {
   std::vector<std::vector<What>> what_;
 };
 
-TEST(ShadedWalls, AreFoundAndNoPartOfWhoCastsTheShadow) {
+TEST(ShadedWalls, AreFoundWhenTheyAreSoughtAndStayWhereTheyAre) {
   const BeforeAWall stage({});
   CastShadows shadows(stage.rig());
+  EXPECT_LT(stage.share(What::OnWall, stage.find(shadows)), 0.3);
   const std::vector<CastShade> found = stage.seek(shadows);
   ASSERT_EQ(shadows.walls().size(), 1u);
   EXPECT_GT(-shadows.walls()[0].normal.y(), std::cos(0.1));
@@ -133,15 +134,8 @@ TEST(ShadedWalls, AreFoundAndNoPartOfWhoCastsTheShadow) {
   EXPECT_GT(stage.share(What::OnFloor, found), 0.9);
   EXPECT_LT(stage.share(What::Pillar, found), 0.05);
   EXPECT_LT(stage.share(What::Stage, found), 0.01);
-}
-
-TEST(ShadedWalls, AreKnownFromWhenTheyAreSoughtAndStayWhereTheyAre) {
-  const BeforeAWall stage({});
-  CastShadows shadows(stage.rig());
-  EXPECT_LT(stage.share(What::OnWall, stage.find(shadows)), 0.3);
-  const std::vector<CastShade> found = stage.seek(shadows);
   EXPECT_EQ(stage.find(shadows)[0].mask, found[0].mask);
-  EXPECT_EQ(stage.seek(shadows)[0].mask, found[0].mask);
+  EXPECT_EQ(stage.seek(shadows, 1)[0].mask, found[0].mask) << "nor is there another one";
   EXPECT_EQ(shadows.walls().size(), 1u);
 }
 
@@ -154,16 +148,14 @@ TEST(ShadedWalls, AreFoundInACornerWhereTwoLampsCastTwoShadows) {
   EXPECT_LT(stage.share(What::Pillar, found), 0.1);
 }
 
-TEST(ShadedWalls, AreNobodyInDarkClothesWhereverHeStands) {
-  for (const double arc : {0.4, 1.4})
-    for (const double stands : {0.9})
-      for (const double thick : {0.15, 0.3}) {
-        const BeforeAWall stage({.stands = stands, .thick = thick, .arc = arc, .lamp = false});
-        CastShadows shadows(stage.rig());
-        const std::vector<CastShade> found = stage.seek(shadows);
-        EXPECT_TRUE(shadows.walls().empty()) << arc << " " << stands << " " << thick;
-        EXPECT_LT(stage.share(What::Pillar, found), 0.25) << arc << " " << stands << " " << thick;
-      }
+TEST(ShadedWalls, AreNobodyInDarkClothesBehindWhereCamerasLook) {
+  for (const auto& [arc, thick] : {std::pair{0.4, 0.15}, {1.4, 0.15}, {1.4, 0.3}}) {
+    const BeforeAWall stage({.stands = 0.9, .thick = thick, .arc = arc, .lamp = false});
+    CastShadows shadows(stage.rig());
+    const std::vector<CastShade> found = stage.seek(shadows);
+    EXPECT_TRUE(shadows.walls().empty()) << arc << " " << thick;
+    EXPECT_LT(stage.share(What::Pillar, found), 0.25) << arc << " " << thick;
+  }
 }
 
 TEST(ShadedWalls, AreTheSameAtAnyNumberOfThreads) {
