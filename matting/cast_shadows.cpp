@@ -160,7 +160,7 @@ const std::vector<CastShade>& CastShadows::find(std::span<const BeforeStage> cam
     look_at(cameras[i], i);
     list_dark(i);
   });
-  if (std::exchange(seeks_, false)) seek_planes(threads);
+  if (std::exchange(seeks_, false)) seek(threads);
   parallel_for(cameras.size(), threads, [&](std::size_t i) { darken(i); });
   return shades_;
 }

@@ -96,7 +96,7 @@ class CastShadows {
   std::vector<Dark> deep(std::span<const ShadedPlane> but_on) const;
   double share_on(std::span<const Dark> asked, const ShadedPlane& plane, int reach, int threads) const;
   std::size_t much_changed() const;
-  void seek_planes(int threads);
+  void seek(int threads);
   void seek_floor(int threads);
   std::optional<ShadedPlane> another_wall(int threads) const;
 

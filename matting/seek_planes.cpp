@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -229,7 +228,7 @@ std::optional<ShadedPlane> CastShadows::another_wall(int threads) const {
   return wall;
 }
 
-void CastShadows::seek_planes(int threads) {
+void CastShadows::seek(int threads) {
   if (!found_floor_) seek_floor(threads);
   const std::size_t had = walls_.size();
   while (walls_.size() < kMostWalls) {
