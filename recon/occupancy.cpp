@@ -113,13 +113,16 @@ void OccupancyGrid::fuse(std::span<const OddsPicture> odds, const OccupancyOptio
 }
 
 std::vector<float> OccupancyGrid::silhouette(std::size_t i, bool own,
-                                             const Eigen::Hyperplane<double, 3>* above) const {
+                                             std::span<const Eigen::Hyperplane<double, 3>> before) const {
   const int w = sizes_[i].x(), h = sizes_[i].y();
   std::vector<float> most(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), kNothing);
   if (pixel_[i].empty()) return most;
   for (std::size_t v = 0; v < fused_.size(); ++v) {
     if (!counts_[v] || pixel_[i][v] == kUnseen) continue;
-    if (above != nullptr && above->signedDistance(position(v)) <= 0) continue;
+    const auto beyond = [&](const Eigen::Hyperplane<double, 3>& plane) {
+      return plane.signedDistance(position(v)) <= 0;
+    };
+    if (std::any_of(before.begin(), before.end(), beyond)) continue;
     float& m = most[pixel_[i][v]];
     m = std::max(m, fused_[v]);
   }
@@ -133,9 +136,9 @@ std::vector<float> OccupancyGrid::said_by_others(int camera) const {
   return silhouette(static_cast<std::size_t>(camera), false);
 }
 
-std::vector<float> OccupancyGrid::said_by_others_above(int camera,
-                                                       const Eigen::Hyperplane<double, 3>& plane) const {
-  return silhouette(static_cast<std::size_t>(camera), false, &plane);
+std::vector<float> OccupancyGrid::said_by_others_before(
+    int camera, std::span<const Eigen::Hyperplane<double, 3>> planes) const {
+  return silhouette(static_cast<std::size_t>(camera), false, planes);
 }
 
 std::vector<float> OccupancyGrid::said_by_all(int camera) const {

@@ -44,8 +44,9 @@ class OccupancyGrid {
   /// What all others than `camera` say of its pixels: of each, the largest log-odds of the voxels behind it,
   /// its own say taken out. kNothing where it sees no voxel.
   std::vector<float> said_by_others(int camera) const;
-  /// The same of the voxels on the side that the plane's normal points to.
-  std::vector<float> said_by_others_above(int camera, const Eigen::Hyperplane<double, 3>& plane) const;
+  /// The same of the voxels on the sides that the planes' normals point to.
+  std::vector<float> said_by_others_before(int camera,
+                                           std::span<const Eigen::Hyperplane<double, 3>> planes) const;
   /// What all say, with its own.
   std::vector<float> said_by_all(int camera) const;
   static constexpr float kNothing = -1e3f;
@@ -59,7 +60,7 @@ class OccupancyGrid {
  private:
   static constexpr std::uint32_t kUnseen = 0xffffffff;
   std::vector<float> silhouette(std::size_t camera, bool own,
-                                const Eigen::Hyperplane<double, 3>* above = nullptr) const;
+                                std::span<const Eigen::Hyperplane<double, 3>> before = {}) const;
   Eigen::Vector3d position(std::size_t voxel) const;
 
   Eigen::AlignedBox3d box_;

@@ -227,7 +227,7 @@ void ConsistentMatting::Impl::begin_view(std::size_t camera, View& v) const {
       v.share[p] = 0;
     else if (around && edges[p] > kFarFromBorder * enclosed)
       v.share[p] = 1;
-    if (stage.lit && stage.lit->knows(p)) {
+    if (stage.tells_of(p)) {
       // What may be the stage in a shadow, or grey trousers before a grey one, is left to the others.
       const bool far = off[p] >= 2 * shared.radius;
       v.share[p] = far || stage.odds[p] < 0 ? 0.0f : stage.odds[p] > 0 ? 1.0f : -1.0f;
@@ -276,9 +276,8 @@ void ConsistentMatting::Impl::weigh_colors() {
     v.odds = colors->odds(static_cast<int>(i), v.small);
     for (std::size_t p = 0; p < v.odds.size(); ++p) {
       const float by_color = std::clamp(v.odds[p], -kColor, kColor);
-      v.odds[p] = !stage.lit || !stage.lit->knows(p)
-                      ? by_color
-                      : std::clamp(kBeforeStill * by_color + stage.odds[p], -kColor, kColor);
+      v.odds[p] =
+          stage.tells_of(p) ? std::clamp(kBeforeStill * by_color + stage.odds[p], -kColor, kColor) : by_color;
       if (!v.keyed.empty()) v.odds[p] = std::clamp(v.odds[p] + v.keyed[p], -kColor, kColor);
       if (!v.certain.empty() && v.certain[p] != Certain::No)
         v.odds[p] = v.certain[p] == Certain::Subject ? kColor : -kColor;

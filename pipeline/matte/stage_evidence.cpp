@@ -57,49 +57,62 @@ void StageEvidence::look(std::span<const Image> pictures, std::span<const Image>
     const Image unlike = view.word ? matting::unlike_within(*view.word, w, h) : Image();
     view.odds = view.lit->odds(smaller[i], unlike);
     view.in_constant_light = view.lit->odds_in_constant_light(smaller[i], unlike);
+    if (shades[i].any()) view.shadow = shades[i].mask;
   });
 }
 
-// All of space but what is near the floor, if one is known under the subject: it was found by its shadows, or
-// he stands on z = 0, upright in the pictures.
-std::optional<Eigen::Hyperplane<double, 3>> StageEvidence::above_floor(const recon::OccupancyGrid& grid,
-                                                                       const recon::SharedView& shared,
-                                                                       float subject_above) const {
-  const matting::ShadedPlane& floor = shadows_.floor();
-  const double on_floor = kOnFloor * shared.radius;
-  if (!shadows_.found_floor()) {
-    const Eigen::AlignedBox3d subject = grid.subject_box(subject_above);
-    if (subject.isEmpty() || mean_up(rig_).z() < kUpright || subject.min().z() < -on_floor ||
-        subject.min().z() > kOffFloor * shared.radius)
-      return std::nullopt;
-  }
-  return Eigen::Hyperplane<double, 3>(floor.normal, -(floor.offset + on_floor));
+// Under the subject: it was found by its shadows, or he stands on z = 0, upright in the pictures.
+bool StageEvidence::knows_floor(const recon::OccupancyGrid& grid, const recon::SharedView& shared,
+                                float subject_above) const {
+  if (shadows_.found_floor()) return true;
+  const Eigen::AlignedBox3d subject = grid.subject_box(subject_above);
+  return !subject.isEmpty() && mean_up(rig_).z() >= kUpright &&
+         subject.min().z() >= -kOnFloor * shared.radius && subject.min().z() <= kOffFloor * shared.radius;
+}
+
+// What keeps that distance lies on the positive sides of all.
+std::vector<Eigen::Hyperplane<double, 3>> StageEvidence::off_floor_and_walls(double distance) const {
+  std::vector<Eigen::Hyperplane<double, 3>> sides = {
+      {shadows_.floor().normal, -(shadows_.floor().offset + distance)}};
+  for (const matting::ShadedPlane& wall : shadows_.walls())
+    sides.emplace_back(wall.normal, -(wall.offset + distance));
+  return sides;
 }
 
 bool StageEvidence::hear_others(recon::OccupancyGrid& grid, const recon::SharedView& shared,
                                 float subject_above, int threads) {
-  const std::optional<Eigen::Hyperplane<double, 3>> above = above_floor(grid, shared, subject_above);
-  if (!above) return false;
+  if (!knows_floor(grid, shared, subject_above)) return false;
+  std::vector<std::vector<float>> said(views_.size());
   std::vector<recon::OddsPicture> odds(views_.size());
   int knowing = 0;
   for (std::size_t i = 0; i < views_.size(); ++i) {
-    if (views_[i].in_constant_light.empty()) continue;
-    odds[i] = {sizes_[i].x(), sizes_[i].y(), views_[i].in_constant_light};
+    const View& view = views_[i];
+    if (view.in_constant_light.empty()) continue;
+    said[i] = view.in_constant_light;
+    for (std::size_t p = 0; p < view.shadow.size(); ++p)
+      if (view.shadow[p]) said[i][p] = 0;  // or somebody before it
+    odds[i] = {sizes_[i].x(), sizes_[i].y(), said[i]};
     ++knowing;
   }
   if (knowing < kFewestStages) return false;
   const auto enough = static_cast<float>(kAgreement * 0.5 *
                                          std::log(1 / recon::OccupancyOptions().seen_anyway) * (knowing - 1));
+  const auto somewhere = off_floor_and_walls(0), well_off = off_floor_and_walls(kOnFloor * shared.radius);
   grid.fuse(odds, {});
   parallel_for(views_.size(), threads, [&](std::size_t i) {
     View& view = views_[i];
     if (view.in_constant_light.empty()) return;
-    const std::vector<float> others = grid.said_by_others_above(static_cast<int>(i), *above);
+    const std::vector<float> others = grid.said_by_others_before(static_cast<int>(i), well_off);
     for (std::size_t p = 0; p < others.size(); ++p) {
       const float constant = view.in_constant_light[p];
       if (constant > view.odds[p] && others[p] > enough)
         view.odds[p] = constant > 0 ? kLoud * constant : constant;
     }
+    if (view.shadow.empty()) return;
+    const std::vector<float> before = grid.said_by_others_before(static_cast<int>(i), somewhere);
+    view.hidden = view.shadow;
+    for (std::size_t p = 0; p < before.size(); ++p)
+      if (before[p] <= 0) view.hidden[p] = 0;
   });
   return true;
 }

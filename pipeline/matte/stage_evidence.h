@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -24,7 +25,8 @@ namespace floatstage::pipeline {
 ///
 /// A pixel that is only darker or brighter than its empty stage may show the subject or his shadow, and tells
 /// nothing of itself. Shadows and reflexes lie on the floor (or in it): where other cameras see something
-/// changed above the floor, it is the subject. Deterministic at any thread count; one caller at a time.
+/// changed above the floor, it is the subject. Where a shadow falls and they do, it may be either: somebody
+/// before his own shadow is as dark as it. Deterministic at any thread count; one caller at a time.
 class StageEvidence {
  public:
   /// `sizes`: of the pictures that are looked at, smaller than the photographs.
@@ -45,23 +47,31 @@ class StageEvidence {
     std::optional<matting::PlateWord> word;     ///< the plate's, of the photograph
     std::vector<float> odds;                    ///< log of how much likelier the subject is; empty: no word
     std::vector<float> in_constant_light;       ///< the same if light never changed; empty: as `odds`
+    std::vector<std::uint8_t> shadow;           ///< not 0 where one falls; empty: nowhere
+    std::vector<std::uint8_t> hidden;           ///< and where the subject may hide it, as others say
+
+    /// Whether the stage tells anything of the pixel.
+    bool tells_of(std::size_t pixel) const {
+      return lit && lit->knows(pixel) && (hidden.empty() || hidden[pixel] == 0);
+    }
   };
 
   /// `smaller`: of their sizes, empty where a camera has no picture. `pictures`: the photographs, or the
   /// same.
   void look(std::span<const Image> pictures, std::span<const Image> smaller, int threads);
 
-  /// Asks others about changes of light. `grid`: of the last turn, where the subject is; asked anew. False
-  /// where nothing is known of a floor under him, or too few cameras know their stages: nothing is changed.
+  /// Asks others about changes of light and shadows. `grid`: of the last turn, where the subject is; asked
+  /// anew. False where nothing is known of a floor under him, or too few cameras know their stages: nothing
+  /// is changed.
   bool hear_others(recon::OccupancyGrid& grid, const recon::SharedView& shared, float subject_above,
                    int threads);
 
   const View& of(std::size_t camera) const { return views_[camera]; }
 
  private:
-  std::optional<Eigen::Hyperplane<double, 3>> above_floor(const recon::OccupancyGrid& grid,
-                                                          const recon::SharedView& shared,
-                                                          float subject_above) const;
+  bool knows_floor(const recon::OccupancyGrid& grid, const recon::SharedView& shared,
+                   float subject_above) const;
+  std::vector<Eigen::Hyperplane<double, 3>> off_floor_and_walls(double distance) const;
 
   struct Stage {
     std::optional<matting::StillBackdrop> backdrop;  // as it was learnt

@@ -144,13 +144,13 @@ TEST(Occupancy, AsksNobodyWithoutAPictureAndLeavesOutWhatTooFewSee) {
   EXPECT_TRUE(eight.subject_box().isEmpty());
 }
 
-TEST(Occupancy, AsksOnlyAboveAPlane) {
+TEST(Occupancy, AsksOnlyBeforeAPlane) {
   const Seen s = ball_in_a_ring();
   OccupancyGrid grid(s.rig, s.box, 50'000, s.sizes, 8, 1);
   grid.fuse(s.odds, {});
   const Eigen::AlignedBox3d ball = grid.subject_box();
   const auto above = [&](double height) {
-    return kept_of(grid.said_by_others_above(1, {Vector3d::UnitZ(), -height}), s.mattes[1]);
+    return kept_of(grid.said_by_others_before(1, {{{Vector3d::UnitZ(), -height}}}), s.mattes[1]);
   };
   EXPECT_EQ(above(ball.min().z() - 1), kept_of(grid.said_by_others(1), s.mattes[1]));
   EXPECT_NEAR(above(ball.center().z()), 0.5, 0.25);

@@ -1,5 +1,5 @@
-// Somebody in the colour of the stage around him, on a floor that mirrors: cameras tell one another which
-// changes of brightness are he.
+// Somebody in the colour of the stage around him, on a floor that mirrors, or in the sun and as dark as his
+// shadow: cameras tell one another which changes of brightness are he.
 #include "pipeline/matte/stage_evidence.h"
 
 #include <algorithm>
@@ -17,22 +17,35 @@ namespace {
 constexpr double kTall = 1.7, kThick = 0.25;  // metres: he is a pillar
 constexpr double kStage = 150, kClothes = 118, kMirrored = 128;
 constexpr int kWidth = 160, kHeight = 120, kThreads = 2;
-enum class What : std::uint8_t { Stage, Pillar, Mirrored };
-
-What seen_along(const Eigen::Vector3d& eye, const Eigen::Vector3d& along, double floor) {
-  for (double s = 1; s < 8; s += 0.01) {
-    const Eigen::Vector3d at = eye + s * along;
-    if (std::hypot(at.x(), at.y()) < kThick && std::abs(at.z() - floor) < kTall)
-      return at.z() > floor ? What::Pillar : What::Mirrored;
-  }
-  return What::Stage;
-}
+enum class What : std::uint8_t { Stage, Pillar, Mirrored, Shadow };
 
 struct Scene {
   double floor = 0;                                            // where he stands
+  bool sun = false;                                            // behind the first camera, which he hides
   std::function<double(int x)> light = [](int) { return 1; };  // that falls on all when he is there
   int plates = 6;                                              // cameras whose empty stage was shot
 };
+
+bool is_he(const Eigen::Vector3d& at, double floor) {
+  return std::hypot(at.x(), at.y()) < kThick && std::abs(at.z() - floor) < kTall;
+}
+
+bool shaded(const Eigen::Vector3d& place, const Eigen::Vector3d& to_sun, double floor) {
+  for (double s = 0; s < 4; s += 0.01)
+    if (is_he(place + s * to_sun, floor)) return true;
+  return false;
+}
+
+What seen_along(const Eigen::Vector3d& eye, const Eigen::Vector3d& along, const Scene& scene,
+                const Eigen::Vector3d& to_sun) {
+  for (double s = 1; s < 8; s += 0.01) {
+    const Eigen::Vector3d at = eye + s * along;
+    if (scene.sun && at.z() <= scene.floor)
+      return shaded(at, to_sun, scene.floor) ? What::Shadow : What::Stage;
+    if (is_he(at, scene.floor)) return at.z() > scene.floor ? What::Pillar : What::Mirrored;
+  }
+  return What::Stage;
+}
 
 class AsGreyAsTheStage {
  public:
@@ -40,6 +53,8 @@ class AsGreyAsTheStage {
       : rig_(synthetic_rig({.cameras = 6, .width = kWidth, .height = kHeight})),
         stages_(rig_, std::vector<Eigen::Vector2i>(6, {kWidth, kHeight})) {
     Random random(3);
+    Eigen::Vector3d to_sun = rig_.cameras[0].cam_from_world.center().normalized();
+    to_sun.z() = 0.8;
     const auto noisy = [&](double v) {
       return static_cast<std::uint8_t>(std::clamp(std::lround(v + random.normal()), 0L, 255L));
     };
@@ -51,10 +66,10 @@ class AsGreyAsTheStage {
         for (int x = 0; x < kWidth; ++x) {
           const Eigen::Vector3d along = camera.cam_from_world.rotation.conjugate() *
                                         unproject(camera.model, {x + 0.5, y + 0.5})->normalized();
-          what.push_back(seen_along(camera.cam_from_world.center(), along, scene.floor));
-          const double now = what.back() == What::Stage    ? kStage
-                             : what.back() == What::Pillar ? kClothes
-                                                           : kMirrored;
+          what.push_back(seen_along(camera.cam_from_world.center(), along, scene, to_sun));
+          const double now = what.back() == What::Stage      ? kStage
+                             : what.back() == What::Mirrored ? kMirrored
+                                                             : kClothes;
           for (int c = 0; c < 3; ++c) {
             stage.at(x, y)[c] = noisy(kStage);
             picture.at(x, y)[c] = noisy(now * scene.light(x));
@@ -90,6 +105,14 @@ class AsGreyAsTheStage {
     return speaking / all;
   }
 
+  // Likewise of those that show the stage for certain.
+  double denied(What what) const {
+    double all = 0, denied = 0;
+    for (std::size_t p = 0; p < what_[0].size(); ++p)
+      if (what_[0][p] == what) ++all, denied += stages_.of(0).tells_of(p) && stages_.of(0).odds[p] < -1;
+    return denied / all;
+  }
+
  private:
   Rig rig_;
   StageEvidence stages_;
@@ -109,6 +132,15 @@ TEST(StageEvidence, WhatAFloorMirrorsIsNobody) {
   AsGreyAsTheStage scene;
   ASSERT_TRUE(scene.hear());
   EXPECT_LT(scene.speaking(What::Mirrored), 0.1);
+}
+
+TEST(StageEvidence, WhoHidesHisShadowAndIsAsDarkAsItIsNotTakenForIt) {
+  AsGreyAsTheStage scene({.sun = true});
+  EXPECT_GT(scene.denied(What::Pillar), 0.25);
+  ASSERT_TRUE(scene.hear());
+  EXPECT_LT(scene.denied(What::Pillar), 0.07);
+  EXPECT_GT(scene.speaking(What::Pillar), 0.5);
+  EXPECT_GT(scene.denied(What::Shadow), 0.99);
 }
 
 TEST(StageEvidence, LightThatChangesAllOverTellsNothing) {
