@@ -20,6 +20,7 @@ namespace {
 constexpr int kNoiseUnit = 16;  // steps of the noise map a step of the pictures
 constexpr double kMadToSigma = 1.4826;
 constexpr int kFewForNoise = 4;  // samples below which a pixel's own noise means nothing
+constexpr int kWhite = 250;      // of 255, in all channels: no darker than what noise leaves of white
 
 using Pixel = std::array<std::uint8_t, 3>;
 
@@ -151,6 +152,14 @@ Result<Plate> learn_plate(const std::vector<Image>& photographs, const PlateOpti
         static_cast<std::uint8_t>(std::min(255.0, kNoiseUnit * std::max(own, options.least_noise)));
   }
   return plate;
+}
+
+double overexposed_share(const Image& photograph) {
+  std::size_t white = 0;
+  const auto channels = static_cast<std::ptrdiff_t>(photograph.channels);
+  for (auto p = photograph.pixels.begin(); p != photograph.pixels.end(); p += channels)
+    white += std::all_of(p, p + channels, [](int v) { return v >= kWhite; });
+  return static_cast<double>(white) * photograph.channels / static_cast<double>(photograph.pixels.size());
 }
 
 Plate lit(Plate plate, const Image& picture, const Image& mask) {

@@ -42,6 +42,10 @@ Result<Plate> learn_plate(const std::vector<Image>& photographs, const PlateOpti
 /// channel of any size, is not 0.
 Plate lit(Plate plate, const Image& picture, const Image& mask);
 
+/// The share of a photograph (8-bit, at least a pixel) that is overexposed, white in all channels: whatever
+/// is as bright before it looks the same, and no key can tell it.
+double overexposed_share(const Image& photograph);
+
 /// What a pixel is, against the plate.
 enum class PlateClass : std::uint8_t {
   Plate = 0,    ///< within the noise

@@ -1,6 +1,7 @@
 #include "pipeline/matte/consistent_take.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/parallel.h"
 #include "core/text.h"
@@ -13,6 +14,7 @@ namespace {
 constexpr int kFewInstants = 8;  // below, a clip does not show what stands still
 constexpr int kTrainingFrames = 16;
 constexpr std::size_t kMostRemarks = 40;
+constexpr double kMostOverexposed = 0.1;  // of an empty stage: lamps and windows have less
 
 Result<Image> photograph(capture::TakeReader& take, int camera, int frame) {
   Result<Frame> photograph = take.frame(camera, frame);
@@ -150,6 +152,12 @@ class Maker {
               "what is darker on ", walls, walls > 1 ? " walls" : " wall",
               " behind the subject is taken for shadow in all cameras, and is in no matte; if it is somebody "
               "who stands there in dark clothes, take him in with strokes or another --matte"));
+    if (most_white_ > kMostOverexposed)
+      report_.remarks.insert(
+          report_.remarks.begin(),
+          text(std::lround(100 * most_white_), " % of the empty stage is overexposed in camera '", whitest_,
+               "'; what is as white before it, be it a face or a shirt, cannot be told from it and may lack; "
+               "less light on the stage or a shorter exposure shows it"));
     if (report_.remarks.size() > kMostRemarks) {
       const std::size_t more = report_.remarks.size() - kMostRemarks;
       report_.remarks.resize(kMostRemarks);
@@ -171,6 +179,10 @@ class Maker {
     for (std::size_t i = 0; i < cameras; ++i) {
       if (!plates[i]) return forward(plates[i]);
       if (plates[i]->color.empty()) continue;
+      if (const double white = matting::overexposed_share(plates[i]->color); white > most_white_) {
+        most_white_ = white;
+        whitest_ = take_.rig().cameras[i].serial;
+      }
       if (Result<void> ok = matting_.learn_empty_stage(static_cast<int>(i), std::move(*plates[i])); !ok)
         return ok;
       shot_[i] = true;
@@ -257,6 +269,8 @@ class Maker {
   ConsistentTakeReport report_;
   bool warm_ = false;
   std::vector<bool> shot_;                // [camera]: its empty stage is known
+  double most_white_ = 0;                 // share that is overexposed, of the empty stage of …
+  std::string whitest_;                   // … this camera
   std::vector<std::vector<Image>> seen_;  // [camera][instant], while backdrops are learnt
 };
 

@@ -315,6 +315,7 @@ class ATakeInTheRoom : public testing::Test {
     const auto made = matte_take({.take = take(), .how = "consistent", .redo = true, .check = false});
     said_ = testing::internal::GetCapturedStderr();
     EXPECT_THAT(made, IsOk());
+    for (const std::string& remark : made->remarks) said_ += remark;
     std::vector<double> ious;
     for (int camera = 0; camera < 8; ++camera) {
       const std::string serial = text("cam0", camera);
@@ -335,6 +336,16 @@ TEST_F(ATakeInTheRoom, IsMattedByItsPlates) {
   EXPECT_GE(mean(ious), 0.9);
   EXPECT_GE(least(ious), 0.85);
   EXPECT_EQ(said_.find("its plate"), std::string::npos) << said_;
+  EXPECT_EQ(said_.find("overexposed"), std::string::npos) << said_;
+}
+
+TEST_F(ATakeInTheRoom, SaysWhereTheEmptyStageIsOverexposed) {
+  Image window = plate(5);
+  const auto eighth = static_cast<std::ptrdiff_t>(window.pixels.size() / 8);
+  std::fill(window.pixels.begin(), window.pixels.begin() + eighth, std::uint8_t{252});
+  shoot_plate(5, window);
+  matted();
+  EXPECT_THAT(said_, HasSubstr("of the empty stage is overexposed in camera 'cam05'"));
 }
 
 TEST_F(ATakeInTheRoom, APlateOfOtherLightIsNamedAndLeftOut) {
