@@ -134,14 +134,16 @@ std::vector<float> edges_to_border(const Image& photograph) {
 }
 
 Image cut_view(const Image& photograph, std::span<const float> odds, std::span<const Certain> certain,
-               double smooth, const Image& empty_stage) {
+               double smooth, const Image& empty_stage, std::span<const std::uint8_t> shadow) {
   FLOATSTAGE_CHECK(photograph.channels == 3 && odds.size() == pixels(photograph) &&
                        (certain.empty() || certain.size() == odds.size()) &&
-                       (empty_stage.empty() || empty_stage.pixels.size() == photograph.pixels.size()),
+                       (empty_stage.empty() || empty_stage.pixels.size() == photograph.pixels.size()) &&
+                       (shadow.empty() || shadow.size() == odds.size()),
                    "evidence of the picture's size");
   const Image picture = toned(photograph), stage = toned(empty_stage);
   const auto edge = [&](std::size_t p, std::size_t q) {
-    if (stage.empty()) return squared(colour(picture, p), colour(picture, q));
+    if (stage.empty() || (!shadow.empty() && shadow[p] && shadow[q]))
+      return squared(colour(picture, p), colour(picture, q));
     return squared_change(colour(picture, p), colour(stage, p), colour(picture, q), colour(stage, q));
   };
   double contrast = 0;

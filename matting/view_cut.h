@@ -31,8 +31,9 @@ enum class Certain : std::uint8_t { No, Backdrop, Subject };
 /// is than background. `certain`: empty, or of every pixel. `empty_stage`: empty, or what the camera sees
 /// without a subject, RGB of the picture's size: edges are then those of what changed, so that the stage's
 /// own are none, and skin before a wall of its colour has some (J. Sun, W. Zhang, X. Tang and H.-Y. Shum,
-/// "Background Cut", ECCV 2006, attenuate the former). Deterministic.
+/// "Background Cut", ECCV 2006, attenuate the former). `shadow`: empty, or of every pixel, not 0 where the
+/// stage is supposed to look as the picture does: edges between two such are the picture's. Deterministic.
 Image cut_view(const Image& picture, std::span<const float> odds, std::span<const Certain> certain,
-               double smooth, const Image& empty_stage = {});
+               double smooth, const Image& empty_stage = {}, std::span<const std::uint8_t> shadow = {});
 
 }  // namespace floatstage::matting

@@ -26,7 +26,7 @@ constexpr float kColor = 4;           // log-odds at most by colours …
 constexpr float kKey = 1;             // … of a key's word, beside colours and the others' word
 constexpr float kBeforeStill = 0.5f;  // … of which so much counts where a backdrop stands still …
 constexpr float kMostOthers = 2, kLeastOthers = -4;  // … and by what the others say
-constexpr double kAllAgree = 1.5;                    // log-odds of a place that all others hold for subject
+constexpr float kAllAgree = 1.5f;                    // log-odds of a place that all others hold for subject
 constexpr double kFirstNovelty = 0.2, kNovelty = 0.05;  // of the subject's colours, before and after a cut
 constexpr double kBorder = 0.06;  // of the shorter side: held for background where nothing is known yet
 constexpr double kCore = 0.4, kAround = 0.8;  // of the shared ball: where the subject is looked for first
@@ -278,6 +278,7 @@ void ConsistentMatting::Impl::weigh_colors() {
       const float by_color = std::clamp(v.odds[p], -kColor, kColor);
       v.odds[p] =
           stage.tells_of(p) ? std::clamp(kBeforeStill * by_color + stage.odds[p], -kColor, kColor) : by_color;
+      if (stage.may_hide_shadow(p)) v.odds[p] -= kAllAgree;  // which all agree on where his shadow shows, too
       if (!v.keyed.empty()) v.odds[p] = std::clamp(v.odds[p] + v.keyed[p], -kColor, kColor);
       if (!v.certain.empty() && v.certain[p] != Certain::No)
         v.odds[p] = v.certain[p] == Certain::Subject ? kColor : -kColor;
@@ -305,9 +306,9 @@ double ConsistentMatting::Impl::cut() {
     std::vector<float> sum(v.pixels());
     for (std::size_t p = 0; p < sum.size(); ++p)
       sum[p] = v.odds[p] + std::clamp(v.others[p], kLeastOthers, kMostOthers);
-    const std::optional<matting::StillBackdrop>& lit = stages.of(i).lit;
-    Image label =
-        matting::cut_view(v.small, sum, v.certain, options.smooth, lit ? lit->empty_stage() : Image());
+    const StageEvidence::View& stage = stages.of(i);
+    Image label = matting::cut_view(v.small, sum, v.certain, options.smooth,
+                                    stage.lit ? stage.lit->empty_stage() : Image(), stage.shadow);
     std::size_t different = 0;
     v.share.resize(v.pixels());
     for (std::size_t p = 0; p < sum.size(); ++p) {

@@ -50,10 +50,9 @@ class StageEvidence {
     std::vector<std::uint8_t> shadow;           ///< not 0 where one falls; empty: nowhere
     std::vector<std::uint8_t> hidden;           ///< and where the subject may hide it, as others say
 
+    bool may_hide_shadow(std::size_t pixel) const { return !hidden.empty() && hidden[pixel] != 0; }
     /// Whether the stage tells anything of the pixel.
-    bool tells_of(std::size_t pixel) const {
-      return lit && lit->knows(pixel) && (hidden.empty() || hidden[pixel] == 0);
-    }
+    bool tells_of(std::size_t pixel) const { return lit && lit->knows(pixel) && !may_hide_shadow(pixel); }
   };
 
   /// `smaller`: of their sizes, empty where a camera has no picture. `pictures`: the photographs, or the

@@ -81,6 +81,21 @@ TEST(ViewCut, EdgesOfTheEmptyStageAreNoneAndSkinBeforeAWallOfItsColourHasSome) {
   EXPECT_FALSE(cut_view(picture, odds, {}, 3) == alone);
 }
 
+// A leg in front of the shadow that it casts, hardly darker: the stage is supposed to look like both.
+TEST(ViewCut, EdgesInAShadowAreThePictures) {
+  Image picture(kW, kH, 3, 90), leg(kW, kH, 1);
+  std::vector<float> odds(static_cast<std::size_t>(kW) * kH, -0.3f);
+  for (int y = 0; y < 30; ++y)
+    for (int x = 20; x < 24; ++x) {
+      std::fill_n(picture.at(x, y), 3, std::uint8_t{78});
+      *leg.at(x, y) = 255;
+      odds[static_cast<std::size_t>(y) * kW + static_cast<std::size_t>(x)] = y < 8 ? 3.0f : 0.3f;
+    }
+  const std::vector<std::uint8_t> shadow(odds.size(), 255);
+  EXPECT_TRUE(cut_view(picture, odds, {}, 3, picture, shadow) == leg);
+  EXPECT_FALSE(cut_view(picture, odds, {}, 3, picture) == leg);
+}
+
 TEST(ViewCut, WhatIsCertainOutranksTheOdds) {
   const Image picture(8, 8, 3, 100);
   std::vector<Certain> certain(64, Certain::No);
