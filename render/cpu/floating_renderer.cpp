@@ -53,7 +53,8 @@ class FloatingRenderer : public ViewRenderer {
   std::size_t count() const { return projection_.choice().chosen; }
   Result<void> estimate_flows(const RendererOptions& options);
   void let_filled_in(std::size_t pixels, Lists& lists) const;
-  void float_image(std::size_t image, int y, const RendererOptions& options, Lists& lists, RowMemory& memory);
+  void warp_image(std::size_t image, int y, const RendererOptions& options, Lists& lists, RowMemory& memory);
+  void float_image(std::size_t image, int y, Lists& lists, RowMemory& memory);
   void float_row(int y, const RendererOptions& options, RowMemory& memory);
 
   Projection projection_;
@@ -91,8 +92,9 @@ void FloatingRenderer::let_filled_in(std::size_t pixels, Lists& lists) const {
   }
 }
 
-void FloatingRenderer::float_image(std::size_t image, int y, const RendererOptions& options, Lists& lists,
-                                   RowMemory& memory) {
+// Where image `image` is read for the pixels of row y.
+void FloatingRenderer::warp_image(std::size_t image, int y, const RendererOptions& options, Lists& lists,
+                                  RowMemory& memory) {
   const Covered::Row& row = projection_.covered().rows[static_cast<std::size_t>(y)];
   const auto pixels = static_cast<std::size_t>(row.count);
   WarpFields fields;
@@ -105,6 +107,20 @@ void FloatingRenderer::float_image(std::size_t image, int y, const RendererOptio
     fields.height = field.height;
   }
   fields.shrink = static_cast<float>(options.flow.shrink);
+  WarpedRow warped;
+  warped.count = row.count;
+  warped.x = projection_.covered().x.data() + row.list;
+  warped.y = static_cast<float>(y) + 0.5F;
+  warped.from_x = lists.from_x[image] = memory.floats(pixels);
+  warped.from_y = lists.from_y[image] = memory.floats(pixels);
+  if (fields.count > 0) return invert_warps(fields, warped);
+  std::copy_n(warped.x, pixels, warped.from_x);
+  std::fill_n(warped.from_y, pixels, warped.y);
+}
+
+void FloatingRenderer::float_image(std::size_t image, int y, Lists& lists, RowMemory& memory) {
+  const Covered::Row& row = projection_.covered().rows[static_cast<std::size_t>(y)];
+  const auto pixels = static_cast<std::size_t>(row.count);
   WarpSource source;
   source.width = projection_.window().width;
   source.height = projection_.window().height;
@@ -118,8 +134,8 @@ void FloatingRenderer::float_image(std::size_t image, int y, const RendererOptio
   warped.count = row.count;
   warped.x = projection_.covered().x.data() + row.list;
   warped.y = static_cast<float>(y) + 0.5F;
-  warped.from_x = lists.from_x[image] = memory.floats(pixels);
-  warped.from_y = lists.from_y[image] = memory.floats(pixels);
+  warped.from_x = lists.from_x[image];
+  warped.from_y = lists.from_y[image];
   warped.inverse_z = memory.floats(pixels);
   warped.direct = memory.ints(pixels);
   warped.seen = memory.floats(pixels);
@@ -128,12 +144,6 @@ void FloatingRenderer::float_image(std::size_t image, int y, const RendererOptio
   lists.rgba[image] = memory.floats(4 * pixels);
   lists.used[image] = memory.floats(pixels);
 
-  if (fields.count > 0) {
-    invert_warps(fields, warped);
-  } else {
-    std::copy_n(warped.x, pixels, warped.from_x);
-    std::fill_n(warped.from_y, pixels, warped.y);
-  }
   look_up(source, warped);
   project_points(projection_.camera(image), projection_.rays(),
                  {warped.from_x, warped.from_y, warped.inverse_z, 0, row.count}, u, v, inside);
@@ -154,7 +164,11 @@ void FloatingRenderer::float_row(int y, const RendererOptions& options, RowMemor
   const auto pixels = static_cast<std::size_t>(row.count);
   Lists lists;
   lists.share = position_shares(projection_, y, parallax_ ? &centers_ : nullptr, memory);
-  for (std::size_t i = 0; i < count(); ++i) float_image(i, y, options, lists, memory);
+  for (std::size_t i = 0; i < count(); ++i) warp_image(i, y, options, lists, memory);
+  if (parallax_ && count() > 1)
+    lean_on_depth(projection_.rays(), centers_, lists.share.row,
+                  {lists.share.pull, lists.from_x, lists.from_y});
+  for (std::size_t i = 0; i < count(); ++i) float_image(i, y, lists, memory);
   let_filled_in(pixels, lists);
   float* mean = memory.floats(3 * pixels);
   for (std::size_t k = 0; k < pixels; ++k) {

@@ -17,8 +17,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace floatstage::render::cpu::HWY_NAMESPACE {
 
-constexpr int kBlock = 16;        // lists are padded to it
-constexpr float kSteady = 0.02F;  // of the trace: keeps weights finite where cameras stand on one line
+constexpr int kBlock = 16;          // lists are padded to it
+constexpr float kSteady = 0.02F;    // of the trace: keeps weights finite where cameras stand on one line
+constexpr float kTakenBack = 0.5F;  // of a displacement, how much of what an error of depth does not explain
 
 struct Block {
   float v[kBlock];
@@ -93,6 +94,48 @@ void PositionWeights(const ViewRays& rays, const CentersInView& centers, const P
   }
 }
 
+void LeanOnDepth(const ViewRays& rays, const CentersInView& centers, const PositionRow& row,
+                 const FetchedRow& fetched) {
+  const auto cameras = static_cast<std::size_t>(row.cameras);
+  Block nx, ny, nz, ux[kMostListed], uy[kMostListed], dx[kMostListed], dy[kMostListed];
+  for (int begin = 0; begin < row.count; begin += kBlock) {
+    turn_normals(rays, row.normals, begin, nx, ny, nz);
+    Block mean_x{}, mean_y{};
+    for (std::size_t j = 0; j < cameras; ++j) {
+      parallax(rays, centers[j], row, begin, nx, ny, nz, ux[j], uy[j]);
+      const float *v = row.share[j] + begin, *x = fetched.from_x[j] + begin, *y = fetched.from_y[j] + begin;
+      for (int k = 0; k < kBlock; ++k) {
+        mean_x.v[k] += v[k] * ux[j].v[k];
+        mean_y.v[k] += v[k] * uy[j].v[k];
+        dy[j].v[k] = (y[k] - row.y) * rays.inverse_fy;
+        dx[j].v[k] = (x[k] - row.x[begin + k] - rays.skew * dy[j].v[k]) * rays.inverse_fx;
+      }
+    }
+    // Displacements along their own parallaxes, against how long those are. By squares the widest parallax
+    // would decide, of the camera that shows least of what is seen from here.
+    Block along{}, length{}, depth;
+    for (std::size_t j = 0; j < cameras; ++j) {
+      const float* pull = fetched.pull[j] + begin;
+      for (int k = 0; k < kBlock; ++k) {
+        const float x = ux[j].v[k] - mean_x.v[k], y = uy[j].v[k] - mean_y.v[k];
+        const float far = std::sqrt(x * x + y * y), w = pull[k] < kFaintShare ? 0 : pull[k];
+        along.v[k] += far > 0 ? w * (x * dx[j].v[k] + y * dy[j].v[k]) / far : 0;
+        length.v[k] += w * far;
+      }
+    }
+    for (int k = 0; k < kBlock; ++k) depth.v[k] = length.v[k] > 0 ? along.v[k] / length.v[k] : 0;
+    for (std::size_t j = 0; j < cameras; ++j) {
+      float *x = fetched.from_x[j] + begin, *y = fetched.from_y[j] + begin;
+      for (int k = 0; k < kBlock; ++k) {
+        const float rest_x = dx[j].v[k] - depth.v[k] * ux[j].v[k],
+                    rest_y = dy[j].v[k] - depth.v[k] * uy[j].v[k];
+        x[k] -= kTakenBack * (rest_x / rays.inverse_fx + rays.skew * rest_y);
+        y[k] -= kTakenBack * rest_y / rays.inverse_fy;
+      }
+    }
+  }
+}
+
 }  // namespace floatstage::render::cpu::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -100,6 +143,7 @@ HWY_AFTER_NAMESPACE();
 namespace floatstage::render::cpu {
 
 HWY_EXPORT(PositionWeights);
+HWY_EXPORT(LeanOnDepth);
 
 std::array<float, 3> center_in_view(const ViewRays& rays, const PhotoCamera& camera) {
   std::array<float, 3> out{};
@@ -111,6 +155,11 @@ std::array<float, 3> center_in_view(const ViewRays& rays, const PhotoCamera& cam
 
 void position_weights(const ViewRays& rays, const CentersInView& centers, const PositionRow& row) {
   HWY_DYNAMIC_DISPATCH(PositionWeights)(rays, centers, row);
+}
+
+void lean_on_depth(const ViewRays& rays, const CentersInView& centers, const PositionRow& row,
+                   const FetchedRow& fetched) {
+  HWY_DYNAMIC_DISPATCH(LeanOnDepth)(rays, centers, row, fetched);
 }
 
 }  // namespace floatstage::render::cpu

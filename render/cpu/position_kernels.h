@@ -11,6 +11,8 @@
 // render/gl/shaders/positions.glsl; derivation: docs/algorithms/floating-textures.md.
 namespace floatstage::render::cpu {
 
+/// Shares below it do not count.
+inline constexpr float kFaintShare = 1.F / 1024;
 /// A camera that looks along the surface has no parallax beyond this cosine's.
 inline constexpr float kGrazing = 0.1F;
 
@@ -45,5 +47,18 @@ inline std::array<float, 2> parallax(const std::array<float, 2>& ray, float z,
 /// displaced by its parallax u_j. Weights nearest to the angular ones under which these displacements cancel:
 /// sum v_j u_j = 0. Where the angular weights do so already, or no camera has parallax, they stay.
 void position_weights(const ViewRays& rays, const CentersInView& centers, const PositionRow& row);
+
+/// Where each image is read for the pixels of a row.
+struct FetchedRow {
+  std::array<float*, kMostListed> pull{};              ///< only read: how much each counts by its angle
+  std::array<float*, kMostListed> from_x{}, from_y{};  ///< px
+};
+
+/// Fields say two numbers an image and pixel. A proxy that is wrong by some depth along the viewing ray
+/// explains them all by one: they read image i at depth (u_i - sum v_j u_j) from the pixel, and depth u_i is
+/// where it should be read. Half of what differs from that is taken back: it is what calibration displaces,
+/// but also what a flow makes up anew in every view (ADR 356). `row.share`: the position weights v.
+void lean_on_depth(const ViewRays& rays, const CentersInView& centers, const PositionRow& row,
+                   const FetchedRow& fetched);
 
 }  // namespace floatstage::render::cpu

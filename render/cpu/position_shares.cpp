@@ -30,14 +30,14 @@ PositionShares position_shares(const Projection& projection, int y, const Center
   if (centers != nullptr) {
     float *nx = memory.floats(pixels), *ny = memory.floats(pixels), *nz = memory.floats(pixels);
     projection.write_normals(y, nx, ny, nz);
-    position_weights(projection.rays(), *centers,
-                     {row.count,
-                      static_cast<int>(count),
-                      projection.covered().x.data() + row.list,
-                      static_cast<float>(y) + 0.5F,
-                      projection.covered().inverse_z.data() + row.list,
-                      {nx, ny, nz},
-                      shares.follow});
+    shares.row = {row.count,
+                  static_cast<int>(count),
+                  projection.covered().x.data() + row.list,
+                  static_cast<float>(y) + 0.5F,
+                  projection.covered().inverse_z.data() + row.list,
+                  {nx, ny, nz},
+                  shares.follow};
+    position_weights(projection.rays(), *centers, shares.row);
   }
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t k = 0; k < pixels; ++k)

@@ -9,13 +9,13 @@ namespace floatstage::render::cpu {
 
 /// A camera that fades below it pulls nothing: no field towards it is needed.
 inline constexpr float kLeastFade = 1e-4F;
-/// Shares below it do not count.
-inline constexpr float kFaintShare = 1.F / 1024;
 
 /// How much each chosen camera counts over a row's pixels, in lists with sum 1.
 struct PositionShares {
   std::array<float*, kMostListed> pull{};    ///< by its angle, visible or not
   std::array<float*, kMostListed> follow{};  ///< its idea of a position; 0 where that is faint
+  /// What they were found on, where parallaxes cancel: of `share`, `follow`.
+  PositionRow row{};
 };
 
 /// The shares of row y, in `memory`. `centers`: where they are to be such that parallaxes cancel; null: where

@@ -30,24 +30,36 @@ struct Corner {
   }
 
   Weights weights(const Weights& angular) const {
-    constexpr int n = cpu::Covered::kAlign;
-    std::array<std::array<float, n>, kCameras> share;
-    std::array<float, n> at_x, inverse_z, nx, ny, nz;
-    at_x.fill(x);
-    inverse_z.fill(1 / z);
-    nx.fill(normal.x());
-    ny.fill(normal.y());
-    nz.fill(normal.z());
-    cpu::PositionRow row{1, kCameras, at_x.data(), y, inverse_z.data(), {nx.data(), ny.data(), nz.data()},
-                         {}};
-    cpu::CentersInView in_view{};
+    Row row(*this, angular);
+    cpu::position_weights(rays, row.in_view, row.row);
+    return {row.share[0][0], row.share[1][0], row.share[2][0]};
+  }
+
+  using Places = std::array<Eigen::Vector2f, kCameras>;
+  // Where the cameras' images are read, from the pixel, once `from` leans on what one depth explains; under
+  // position weights `follow` and angular ones `pull`.
+  Places leaned(const Places& from, const Weights& follow, const Weights& pull) const {
+    Row row(*this, follow), pulls(*this, pull);
+    cpu::FetchedRow fetched;
+    std::array<Lane, kCameras> from_x, from_y;
     for (std::size_t j = 0; j < kCameras; ++j) {
-      share[j].fill(angular[j]);
-      row.share[j] = share[j].data();
-      in_view[j] = {centers[j].x(), centers[j].y(), centers[j].z()};
+      from_x[j].fill(x + from[j].x());
+      from_y[j].fill(y + from[j].y());
+      fetched.pull[j] = pulls.share[j].data();
+      fetched.from_x[j] = from_x[j].data();
+      fetched.from_y[j] = from_y[j].data();
     }
-    cpu::position_weights(rays, in_view, row);
-    return {share[0][0], share[1][0], share[2][0]};
+    cpu::lean_on_depth(rays, row.in_view, row.row, fetched);
+    Places places;
+    for (std::size_t j = 0; j < kCameras; ++j) places[j] = {from_x[j][0] - x, from_y[j][0] - y};
+    return places;
+  }
+  // px of the view
+  Places parallaxes(float depth) const {
+    Places u;
+    for (std::size_t j = 0; j < kCameras; ++j)
+      u[j] = displaced(j, depth).cwiseQuotient(Eigen::Vector2f(rays.inverse_fx, rays.inverse_fy));
+    return u;
   }
 
   // Where camera j's photograph, laid on the surface, shows what is there when the surface lies `depth`
@@ -58,6 +70,30 @@ struct Corner {
     const Eigen::Vector3f seen = at + along * normal.dot(there - at) / normal.dot(along);
     return seen.head<2>() / seen.z() - ray().head<2>();
   }
+
+ private:
+  using Lane = std::array<float, cpu::Covered::kAlign>;
+  // The point as a row of one pixel.
+  struct Row {
+    Lane at_x, inverse_z, nx, ny, nz;
+    std::array<Lane, kCameras> share;
+    cpu::CentersInView in_view{};
+    cpu::PositionRow row;
+
+    Row(const Corner& c, const Weights& weights) {
+      at_x.fill(c.x);
+      inverse_z.fill(1 / c.z);
+      nx.fill(c.normal.x());
+      ny.fill(c.normal.y());
+      nz.fill(c.normal.z());
+      row = {1, kCameras, at_x.data(), c.y, inverse_z.data(), {nx.data(), ny.data(), nz.data()}, {}};
+      for (std::size_t j = 0; j < kCameras; ++j) {
+        share[j].fill(weights[j]);
+        row.share[j] = share[j].data();
+        in_view[j] = {c.centers[j].x(), c.centers[j].y(), c.centers[j].z()};
+      }
+    }
+  };
 };
 
 TEST(PositionWeights, CancelTheParallaxesOfAWrongDepth) {
@@ -130,6 +166,72 @@ TEST(PositionWeights, KnowCamerasAtTheViewAndCamerasThatSeeTheSurfaceFromBehind)
     EXPECT_TRUE(std::isfinite(weight));
     EXPECT_GE(weight, 0);
   }
+}
+
+// Fields that find the surface `depth` before the proxy read each image beside its pixel, by its parallax
+// less what the position weights make of all.
+Corner::Places as_fields_say(const Corner::Places& u, const Weights& follow) {
+  Eigen::Vector2f mean = Eigen::Vector2f::Zero();
+  for (std::size_t j = 0; j < kCameras; ++j) mean += follow[j] * u[j];
+  Corner::Places from;
+  for (std::size_t j = 0; j < kCameras; ++j) from[j] = u[j] - mean;
+  return from;
+}
+
+TEST(LeaningOnDepth, LeavesWhatOneDepthExplains) {
+  const Corner corner;
+  const Weights pull = {0.5F, 0.3F, 0.2F}, follow = corner.weights(pull);
+  const Corner::Places from = as_fields_say(corner.parallaxes(0.01F), follow);
+  const Corner::Places leaned = corner.leaned(from, follow, pull);
+  for (std::size_t j = 0; j < kCameras; ++j) {
+    EXPECT_GT(from[j].norm(), 0.3F) << "nothing is tested";
+    EXPECT_LT((leaned[j] - from[j]).norm(), 0.05F * from[j].norm()) << "camera " << j;
+  }
+}
+
+TEST(LeaningOnDepth, TakesBackHalfOfWhatNoDepthExplains) {
+  const Corner corner;
+  const Weights pull = {0.5F, 0.3F, 0.2F};
+  const Corner::Places u = corner.parallaxes(0.01F);
+  Corner::Places across;  // what a flow made up, across all parallaxes
+  for (std::size_t j = 0; j < kCameras; ++j) across[j] = Eigen::Vector2f(-u[j].y(), u[j].x());
+  const Corner::Places leaned = corner.leaned(across, {0, 0, 0}, pull);
+  for (std::size_t j = 0; j < kCameras; ++j)
+    EXPECT_LT((leaned[j] - 0.5F * across[j]).norm(), 0.02F * across[j].norm()) << "camera " << j;
+}
+
+TEST(LeaningOnDepth, BringsImagesNearerToWhereTheyBelongIfWeightsDoNotCancel) {
+  Corner corner;  // on a line, so that no weights do
+  corner.centers = {Eigen::Vector3f(-0.5F, 0.3F, 0), {0.1F, 0.3F, 0}, {0.5F, 0.3F, 0}};
+  const Weights pull = {0.4F, 0.3F, 0.3F}, follow = corner.weights(pull);
+  const Corner::Places u = corner.parallaxes(0.01F), from = as_fields_say(u, follow),
+                       leaned = corner.leaned(from, follow, pull);
+  for (std::size_t j = 0; j < kCameras; ++j) {
+    EXPECT_GT((from[j] - u[j]).norm(), 0.2F) << "nothing is tested";
+    EXPECT_LT((leaned[j] - u[j]).norm(), 0.6F * (from[j] - u[j]).norm()) << "camera " << j;
+  }
+}
+
+TEST(LeaningOnDepth, ListensToNobodyWhoHardlyCounts) {
+  const Corner corner;
+  const Weights follow = corner.weights({0.6F, 0.4F, 0});
+  Corner::Places from = as_fields_say(corner.parallaxes(0.01F), follow);
+  const Corner::Places without = corner.leaned(from, follow, {0.6F, 0.4F, 0});
+  from[2] = {40, -30};
+  const Corner::Places with = corner.leaned(from, follow, {0.6F, 0.4F, 5e-4F});
+  for (std::size_t j = 0; j < 2; ++j) EXPECT_LT((with[j] - without[j]).norm(), 1e-3F) << "camera " << j;
+}
+
+TEST(LeaningOnDepth, MovesNothingWhereNothingMovesAndNoCameraHasParallax) {
+  Corner corner;
+  const Weights pull = {0.5F, 0.3F, 0.2F};
+  const Eigen::Vector2f still(0, 0);
+  for (const Eigen::Vector2f& place : corner.leaned({still, still, still}, corner.weights(pull), pull))
+    EXPECT_EQ(place.norm(), 0);
+  corner.centers = {Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
+  const Eigen::Vector2f moved(3, -1);
+  for (const Eigen::Vector2f& place : corner.leaned({moved, moved, moved}, pull, pull))
+    EXPECT_LT((place - 0.5F * moved).norm(), 1e-4F);
 }
 
 class FloatingPositions : public OnEachBackEnd {};

@@ -13,7 +13,7 @@ layout(location = 2) uniform ivec2 shown;    // slots of the camera to show and 
 layout(location = 3) uniform bool any;       // nobody said which camera to show
 
 const int kInversions = 4;
-const float kFaint = 1.0 / 1024.0, kLeastFade = 1e-4;
+const float kLeastFade = 1e-4;
 const float kEnough = 0.3;  // weights.comp has the same
 
 float pull[kMaxListed];   // how much each camera counts: angular weights, visible or not
@@ -26,7 +26,7 @@ vec2 combined_warp(int i, vec2 p) {
   vec2 size = view.settings.w * vec2(textureSize(flows, 0).xy), sum = vec2(0.0);
   int n = view.counts.y;
   for (int j = 0; j < n; ++j) {
-    if (j == i || place[j] < kFaint) continue;
+    if (j == i || place[j] < kFaintShare) continue;
     sum += place[j] * textureLod(flows, vec3(p / size, flow_layer(i, j)), 0.0).xy;
   }
   return view.settings.w * sum;
@@ -77,10 +77,10 @@ vec3 measured(ivec2 at, vec4 here, float visible[kMaxListed]) {
   float spacing[kMaxListed];
   for (int i = 0; i < view.counts.y; ++i) {
     spacing[i] = pixel_spacing(i, vec2(at) + 0.5, here);
-    if (visible[i] < kFaint) continue;
+    if (visible[i] < kFaintShare) continue;
     worst = max(worst, blend_class(0.0, spacing[i], spacing[i]));
     for (int j = 0; j < i; ++j)
-      if (visible[j] >= kFaint)
+      if (visible[j] >= kFaintShare)
         worst = max(worst, blend_class(max(length(field_at(at, i, j)), length(field_at(at, j, i))), spacing[i],
                                        spacing[j]));
   }
@@ -108,18 +108,20 @@ void main() {
   place = pull;
   if (positions == 0) cancel_parallax(vec2(at) + 0.5, here, place);
 
-  vec2 x = vec2(at) + 0.5, strongest_warp = vec2(0.0);
+  vec2 x = vec2(at) + 0.5, strongest_warp = vec2(0.0), from[kMaxListed];
+  for (int i = 0; i < n; ++i) {
+    from[i] = x;
+    if (pull[i] < kFaintShare) continue;
+    // I_i's point p lands at p + W_i(p): find the one that lands here.
+    for (int k = 0; k < kInversions; ++k) from[i] = x - combined_warp(i, from[i]);
+  }
+  if (positions == 0 && n > 1) lean_on_depth(x, here, place, pull, from);
   vec3 sum = vec3(0.0), colors[kMaxListed];
   float used[kMaxListed], hidden[kMaxListed], total = 0.0, all_hidden = 0.0, strongest = -1.0;
   for (int i = 0; i < n; ++i) {
     used[i] = hidden[i] = 0.0;
-    if (pull[i] < kFaint) continue;
-    // I_i's point p lands at p + W_i(p): find the one that lands here.
-    vec2 p = x, warp = vec2(0.0);
-    for (int k = 0; k < kInversions; ++k) {
-      warp = combined_warp(i, p);
-      p = x - warp;
-    }
+    if (pull[i] < kFaintShare) continue;
+    vec2 p = from[i];
     float area = footprint_if_deep(i, x, here);
     if (!image_at(i, p, area, colors[i])) {
       p = x;
@@ -134,7 +136,7 @@ void main() {
     all_hidden += hidden[i];
     if (any ? pull[i] > strongest : i == shown.x) {
       strongest = pull[i];
-      strongest_warp = warp;
+      strongest_warp = x - from[i];
     }
   }
   // Where little of what arrives is seen, the images of those that do not see it count, which hold the blend of all
@@ -157,12 +159,12 @@ void main() {
   } else if (wanted == kFlow) {
     color.rgb = any || shown.x >= 0 ? flow_color(strongest_warp) : vec3(0.0);
   } else if (wanted == kWarped) {
-    color.rgb = shown.x >= 0 && used[shown.x] >= kFaint * total ? colors[shown.x] : vec3(0.0);
+    color.rgb = shown.x >= 0 && used[shown.x] >= kFaintShare * total ? colors[shown.x] : vec3(0.0);
   } else if (wanted == kPositionWeights || wanted == kColorWeights) {
     float all = 0.0;
     color.rgb = vec3(0.0);
     for (int i = 0; i < n; ++i) {
-      float share = wanted == kColorWeights ? used[i] : place[i] < kFaint ? 0.0 : place[i];
+      float share = wanted == kColorWeights ? used[i] : place[i] < kFaintShare ? 0.0 : place[i];
       color.rgb += share * camera_color(listed(i));
       all += share;
     }

@@ -13,7 +13,7 @@ layout(std430, binding = 1) readonly buffer Grids {
 } grids;
 
 const int kInversions = 2;
-const float kFaint = 1e-4, kFaintShare = 1.0 / 1024.0, kLeastFade = 1e-4, kOffSubject = 0.1;
+const float kFaint = 1e-4, kLeastFade = 1e-4, kOffSubject = 0.1;
 const float kSteps = 32767.0 / 64.0;  // CameraField::kStep
 
 float pull[kMaxListed];    // how much each camera counts: angular weights, visible or not
