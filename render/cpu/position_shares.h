@@ -14,7 +14,7 @@ inline constexpr float kLeastFade = 1e-4F;
 struct PositionShares {
   std::array<float*, kMostListed> pull{};    ///< by its angle, visible or not
   std::array<float*, kMostListed> follow{};  ///< its idea of a position; 0 where that is faint
-  /// What they were found on, where parallaxes cancel: of `share`, `follow`.
+  /// The row that position weights were found on, where parallaxes are to cancel; its `share` is `follow`.
   PositionRow row{};
 };
 

@@ -106,16 +106,20 @@ void main() {
   for (int i = 0; i < n; ++i) pull[i] = pull_total > 0.0 ? pull[i] / pull_total : 1.0 / float(n);
 
   place = pull;
-  if (positions == 0) cancel_parallax(vec2(at) + 0.5, here, place);
+  vec2 x = vec2(at) + 0.5, u[kMaxListed];
+  if (positions == 0) {
+    parallaxes(x, here, u);
+    cancel_parallax(u, place);
+  }
 
-  vec2 x = vec2(at) + 0.5, strongest_warp = vec2(0.0), from[kMaxListed];
+  vec2 strongest_warp = vec2(0.0), from[kMaxListed];
   for (int i = 0; i < n; ++i) {
     from[i] = x;
     if (pull[i] < kFaintShare) continue;
     // I_i's point p lands at p + W_i(p): find the one that lands here.
     for (int k = 0; k < kInversions; ++k) from[i] = x - combined_warp(i, from[i]);
   }
-  if (positions == 0 && n > 1) lean_on_depth(x, here, place, pull, from);
+  if (positions == 0 && n > 1) lean_on_depth(x, u, place, pull, from);
   vec3 sum = vec3(0.0), colors[kMaxListed];
   float used[kMaxListed], hidden[kMaxListed], total = 0.0, all_hidden = 0.0, strongest = -1.0;
   for (int i = 0; i < n; ++i) {

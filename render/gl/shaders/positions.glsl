@@ -19,9 +19,8 @@ void parallaxes(vec2 pixel, vec4 surface, out vec2 u[kMaxListed]) {
   for (int j = 0; j < view.counts.y; ++j) u[j] = parallax(j, ray, at, n, view_from_world);
 }
 
-void cancel_parallax(vec2 pixel, vec4 surface, inout float share[kMaxListed]) {
-  vec2 u[kMaxListed], sum = vec2(0.0);
-  parallaxes(pixel, surface, u);
+void cancel_parallax(vec2 u[kMaxListed], inout float share[kMaxListed]) {
+  vec2 sum = vec2(0.0);
   float xx = 0.0, xy = 0.0, yy = 0.0;
   int count = view.counts.y;
   for (int j = 0; j < count; ++j) {
@@ -44,10 +43,9 @@ void cancel_parallax(vec2 pixel, vec4 surface, inout float share[kMaxListed]) {
 // Fields say two numbers an image. A proxy that is wrong by some depth along the viewing ray explains them all by one:
 // they read image i at depth (u_i - sum v_j u_j) from the pixel, v the position weights, and depth u_i is where it should
 // be read. Half of what differs from that is taken back. `from`: where each image is read, px of the window.
-void lean_on_depth(vec2 pixel, vec4 surface, float share[kMaxListed], float pull[kMaxListed],
+void lean_on_depth(vec2 pixel, vec2 u[kMaxListed], float share[kMaxListed], float pull[kMaxListed],
                    inout vec2 from[kMaxListed]) {
-  vec2 u[kMaxListed], moved[kMaxListed], mean = vec2(0.0);
-  parallaxes(pixel, surface, u);
+  vec2 moved[kMaxListed], mean = vec2(0.0);
   int count = view.counts.y;
   for (int j = 0; j < count; ++j) {
     if (share[j] >= kFaintShare) mean += share[j] * u[j];

@@ -66,7 +66,11 @@ void main() {
   }
   for (int i = 0; i < chosen; ++i) pull[i] = pull_total > 0.0 ? pull[i] / pull_total : 1.0 / float(chosen);
   follow = pull;
-  if (positions == 0) cancel_parallax(middle, here, follow);
+  if (positions == 0) {
+    vec2 u[kMaxListed];
+    parallaxes(middle, here, u);
+    cancel_parallax(u, follow);
+  }
 
   vec2 strongest_warp = vec2(0.0);
   for (int i = 0; i < view.counts.x; ++i) {
