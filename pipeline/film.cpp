@@ -20,6 +20,9 @@
 namespace floatstage::pipeline {
 namespace {
 
+constexpr int kLeadIn =
+    8;  // of what a field was before so many pictures, a tenth is left at the usual memory
+
 using Watch = std::chrono::steady_clock;
 double since(Watch::time_point t) { return std::chrono::duration<double>(Watch::now() - t).count(); }
 
@@ -67,6 +70,7 @@ Result<void> check(const capture::TakeReader& take, const FilmOptions& options) 
   if (options.array.views > 1 && options.methods.size() > 1)
     return fail(ErrorCode::InvalidArgument,
                 "several views are of one method: stereo pictures that stand beside others are none");
+  if (options.block < 1) return fail(ErrorCode::InvalidArgument, "a film in blocks of no pictures");
   if (!(options.frame_rate > 0))
     return fail(ErrorCode::InvalidArgument, "the film's frame rate must be positive");
   for (int f : options.frames)
@@ -191,9 +195,43 @@ class SceneStream {
   const bool choosy_;  // pictures of weights and the like have colours by the number of cameras there are
   SceneLoader loader_;
   const std::vector<int>& schedule_;
-  const std::vector<std::vector<View>>& views_;  // of a picture's eyes
+  const std::vector<std::vector<View>>& views_;  // of a picture
   std::future<Result<FilmInstant>> next_;
 };
+
+using Renderers = std::vector<std::unique_ptr<render::ViewRenderer>>;
+
+bool remembers_fields(const std::string& method) { return method == "floating"; }
+
+// Whether picture p of those that are drawn is the first of a block (FilmOptions::block).
+bool begins_anew(const std::vector<int>& drawn, std::size_t p, const FilmOptions& options) {
+  return options.renderer.field_memory > 0 &&
+         std::any_of(options.methods.begin(), options.methods.end(), remembers_fields) &&
+         (p == 0 || drawn[p] != drawn[p - 1] + 1 || drawn[p] % options.block == 0);
+}
+
+// The first of the pictures before `picture` that are drawn for what they leave in its fields: of the same
+// frame, for another scene's fields are forgotten.
+int lead_in_of(const std::vector<int>& frames, int picture) {
+  const auto frame_of = [&](int p) { return frames[static_cast<std::size_t>(p)]; };
+  int first = picture;
+  while (first > 0 && first > picture - kLeadIn && frame_of(first - 1) == frame_of(picture)) --first;
+  return first;
+}
+
+Result<void> lead_in(const std::vector<std::vector<View>>& before, const render::Scene& scene,
+                     const FilmOptions& options, const Renderers& renderers) {
+  for (std::size_t i = 0; i < renderers.size(); ++i) {
+    if (!remembers_fields(options.methods[i % options.methods.size()])) continue;
+    renderers[i]->reset_history();
+    for (const std::vector<View>& eyes : before) {
+      const Result<render::RenderedView> drawn =
+          renderers[i]->render(scene, eyes[i / options.methods.size()], options.renderer);
+      if (!drawn) return forward(drawn);
+    }
+  }
+  return {};
+}
 
 }  // namespace
 
@@ -245,7 +283,7 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
   const Result<std::vector<int>> whole = film_frames(take, path, options);
   if (!whole) return forward(whole);
   const Watch::time_point begin = Watch::now();
-  std::vector<std::unique_ptr<render::ViewRenderer>> renderers;
+  Renderers renderers;
   for (std::size_t i = 0; i < options.methods.size() * static_cast<std::size_t>(options.array.views); ++i) {
     const std::string& method = options.methods[i % options.methods.size()];
     Result<std::unique_ptr<render::ViewRenderer>> r =
@@ -270,17 +308,32 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
   std::vector<int> drawn_pictures = options.pictures, frames;
   for (std::size_t p = 0; options.pictures.empty() && p < whole->size(); ++p)
     drawn_pictures.push_back(static_cast<int>(p));
-  std::vector<View> middles;
-  std::vector<std::vector<View>> views;
-  for (const int picture : drawn_pictures) {
+  const auto middle_of = [&](int picture) {
     const PathKey key = sample(path, clock.path_time(picture), subject.track);
-    middles.push_back(view_of(key, options.width, options.height, box));
-    views.push_back(views_of(middles.back(), options.array, screen_distance(middles.back(), box)));
+    return view_of(key, options.width, options.height, box);
+  };
+  const auto eyes_of = [&](const View& middle) {
+    return views_of(middle, options.array, screen_distance(middle, box));
+  };
+  std::vector<View> middles;
+  std::vector<std::vector<View>> views, needed;  // of a picture; and with those that are drawn for its sake
+  std::vector<std::vector<std::vector<View>>> led_in;
+  for (std::size_t p = 0; p < drawn_pictures.size(); ++p) {
+    const int picture = drawn_pictures[p];
+    middles.push_back(middle_of(picture));
+    views.push_back(eyes_of(middles.back()));
     frames.push_back((*whole)[static_cast<std::size_t>(picture)]);
+    led_in.emplace_back();
+    needed.push_back(views.back());
+    if (!begins_anew(drawn_pictures, p, options)) continue;
+    for (int before = lead_in_of(*whole, picture); before < picture; ++before) {
+      led_in.back().push_back(eyes_of(middle_of(before)));
+      needed.back().insert(needed.back().end(), led_in.back().back().begin(), led_in.back().back().end());
+    }
   }
   const bool with_fields =
       std::find(options.methods.begin(), options.methods.end(), kFieldMethod) != options.methods.end();
-  SceneStream scenes(take, options, frames, views);
+  SceneStream scenes(take, options, frames, needed);
   render::Scene drawn;
   FilmReport report;
   std::optional<render::StageTimes> times;
@@ -299,6 +352,8 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
         if (Result<void> ok = give_fields(take.layout(), *rig, frames[p], drawn); !ok)
           return in_frame(ok.error());
     }
+    if (begins_anew(drawn_pictures, p, options))
+      if (Result<void> ok = lead_in(led_in[p], drawn, options, renderers); !ok) return in_frame(ok.error());
     FilmPicture picture{drawn_pictures[p], frames[p], middles[p], {}};
     for (std::size_t i = 0; i < renderers.size(); ++i) {
       const View& view = views[p][i / options.methods.size()];

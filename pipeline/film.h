@@ -33,6 +33,9 @@ struct FilmOptions {
   std::optional<Rig> rig = {};                      ///< film_rig() of the take, where it is known
   /// Which pictures of the film are drawn, indices in rising order; empty: all.
   std::vector<int> pictures = {};
+  /// Fields are remembered (RendererOptions::field_memory) for so many pictures, and begin anew with a few
+  /// that are drawn for their sake: a film that is made in parts of this size is the same whoever makes them.
+  int block = 50;
   render::RendererOptions renderer;
   bool time_stages = false;      ///< OpenGL: what a picture's stages take; waits for each picture
   Progress* progress = nullptr;  ///< null: unwatched
@@ -63,7 +66,8 @@ Result<Rig> film_rig(capture::TakeReader& take, const FilmOptions& options);
 
 /// Walks the virtual camera along `path` while the take plays and hands each picture to `visit`, in order, on
 /// the calling thread. The renderer's back-end must be open (open_back_end()). Stops at the first error of
-/// `visit`. Without motion blur a picture does not depend on which others are drawn.
+/// `visit`. Without motion blur a picture does not depend on which others are drawn, as long as its block is
+/// drawn from its beginning.
 Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path, const FilmOptions& options,
                                const std::function<Result<void>(FilmPicture)>& visit);
 

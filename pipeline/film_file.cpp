@@ -106,6 +106,7 @@ Result<FilmFileReport> render_film_file(capture::TakeReader& take, const CameraP
   Result<FilmOptions> options = completed(take, path, wanted);
   if (!options) return forward(options);
   options->pictures = file.pictures;
+  options->block = file.part_pictures;
   const Result<std::vector<int>> frames = film_frames(take, path, *options);
   if (!frames) return forward(frames);
   const Result<std::string> made_from =

@@ -23,26 +23,36 @@ json described(const render::FlowOptions& options) {
 
 json described(const render::RendererOptions& options) {
   const auto& [cameras, soft_radius, flow, positions, band_limit, nearest, farthest, uncertainty, motion_blur,
-               fill_hidden, sharp, soft_outlines, threads, back_end, background, output, shown_camera,
-               towards_camera, given_up] = options;
+               field_memory, fill_hidden, sharp, soft_outlines, threads, back_end, background, output,
+               shown_camera, towards_camera, given_up] = options;
   static_cast<void>(threads);      // pictures do not depend on it,
   static_cast<void>(fill_hidden);  // no film is without it,
   static_cast<void>(given_up);     // and those that are given up are in no film
-  return {cameras,         soft_radius,
-          described(flow), static_cast<int>(positions),
-          band_limit,      nearest,
-          farthest,        uncertainty,
-          motion_blur,     sharp,
-          soft_outlines,   static_cast<int>(back_end),
-          background,      static_cast<int>(output),
-          shown_camera,    towards_camera};
+  return {cameras,
+          soft_radius,
+          described(flow),
+          static_cast<int>(positions),
+          band_limit,
+          nearest,
+          farthest,
+          uncertainty,
+          motion_blur,
+          field_memory,
+          sharp,
+          soft_outlines,
+          static_cast<int>(back_end),
+          background,
+          static_cast<int>(output),
+          shown_camera,
+          towards_camera};
 }
 
 json described(const FilmOptions& options) {
   const auto& [width, height, frame_rate, seconds, frames, methods, array, suppress_spill, balance, subject,
-               track, rig, pictures, renderer, time_stages, progress] = options;
+               track, rig, pictures, block, renderer, time_stages, progress] = options;
   static_cast<void>(balance);  // is in the rig
   static_cast<void>(pictures);
+  static_cast<void>(block);  // is in `drawn_by`
   static_cast<void>(time_stages);
   static_cast<void>(progress);
   const Eigen::Vector3d low = subject->min(), high = subject->max();

@@ -28,6 +28,7 @@ class PairwiseFlows {
                         const FlowOptions& options, int threads, Interruption* interruption = nullptr);
 
   std::span<const FlowField> fields() const { return {fields_.data(), pairs_}; }
+  std::span<FlowField> fields() { return {fields_.data(), pairs_}; }  ///< may be changed
 
   /// Whether the next estimates keep what they believed.
   void keep_confidence(bool keep) { keeps_confidence_ = keep; }

@@ -24,6 +24,7 @@ namespace {
 
 constexpr int kMostFlowShrink = 8;
 constexpr double kMostBlur = 0.95;      // more would outlast any walk
+constexpr double kMostMemory = 0.95;    // the same
 constexpr double kWidestFilter = 512;   // px
 constexpr double kMostUncertain = 0.5;  // of the diagonal: the subject's own size
 constexpr double kLargestRadius = 64;   // px; distances are stored in bytes
@@ -91,6 +92,8 @@ Result<void> check(const RendererOptions& o) {
                kMostUncertain);
   if (!(o.motion_blur >= 0) || o.motion_blur > kMostBlur)
     return bad("a motion blur of ", o.motion_blur, " is not between 0 (none) and ", kMostBlur);
+  if (!(o.field_memory >= 0) || o.field_memory > kMostMemory)
+    return bad("a field memory of ", o.field_memory, " is not between 0 (none) and ", kMostMemory);
   if (o.threads < 0) return bad(o.threads, " threads; 0 means one per core");
   for (float c : o.background)
     if (!(c >= 0) || !(c <= 1)) return bad("the background colour ", c, " is not between 0 and 1");

@@ -62,6 +62,8 @@ struct RendererOptions {
                                 ///< proxy, as a share of the diagonal of the proxy's box
   double motion_blur = 0;   ///< filtered: share of the pictures before that stays in each, 0: none; while the
                             ///< view rests the picture tends to the one without
+  double field_memory = 0;  ///< floating: share of the fields of the picture before that stays in each
+                            ///< picture's, 0: none; while the scene is the same, as fields are the surface's
   bool fill_hidden = true;  ///< floating: what a photograph does not see of the proxy shows the strongest of
                             ///< those that do while flow is sought; false: what it shows there instead
                             ///< (thesis Fig. 58b: for comparison)
@@ -104,8 +106,8 @@ class ViewRenderer {
   /// InvalidArgument for a view with a lens, an empty size or no usable camera (the sentence says which).
   virtual Result<RenderedView> render(const Scene& scene, const View& view,
                                       const RendererOptions& options) = 0;
-  /// Forgets the pictures before (RendererOptions::motion_blur): the next is as the first. With them, it is
-  /// the same sequence of calls that gives the same bytes.
+  /// Forgets the pictures before (RendererOptions::motion_blur, field_memory): the next is as the first. With
+  /// them, it is the same sequence of calls that gives the same bytes.
   virtual void reset_history() {}
 };
 

@@ -12,6 +12,8 @@
 namespace floatstage::apps {
 namespace {
 
+constexpr double kUsualMemory = 0.75;  // ADR 357
+
 std::vector<std::string> known_flows() {
   std::vector<std::string> names = render::flow_backends();
   names.emplace_back("none");
@@ -46,6 +48,7 @@ void add_back_end_flag(CLI::App& verb, std::string& back_end) {
 void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
   add_back_end_flag(verb, flags.back_end);
   render::RendererOptions& o = flags.options;
+  o.field_memory = kUsualMemory;
   flags.blend = add_blend(verb, o.cameras);
   add_background(verb, flags.background);
   verb.add_flag("--balance", flags.balance,
@@ -78,6 +81,11 @@ void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
           "as a share of the diagonal of the proxy's box"),
       verb.add_option("--motion-blur", o.motion_blur,
                       "filtered: share of the pictures before that stays in each, 0 to 0.95")
+          ->type_name("SHARE"),
+      verb.add_option(
+              "--field-memory", o.field_memory,
+              "floating: share of the last picture's displacements that stays in each picture's while "
+              "time stands still, 0 (each is drawn for itself) to 0.95")
           ->type_name("SHARE")};
   for (CLI::Option* option : filters) option->capture_default_str()->group(kGroupTuning);
   const std::vector<CLI::Option*> tuning = {

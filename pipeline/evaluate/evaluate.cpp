@@ -132,13 +132,15 @@ Result<void> draw_methods(const View& from, Methods& methods, const EvaluateOpti
                           HeldOutView& view) {
   for (std::size_t m = 0; m < methods.names.size(); ++m) {
     methods.renderers[m]->reset_history();  // what another camera saw has no part in this view
-    render::RendererOptions apart = options.renderer;
+    render::RendererOptions alone = options.renderer;  // nor has its own picture in another
+    alone.field_memory = 0;
+    render::RendererOptions apart = alone;
     apart.output = render::RenderOutput::Ghosting;
     Result<render::RenderedView> rendered = methods.renderers[m]->render(methods.scene, from, apart);
     if (!rendered) return forward(rendered);
     const Image heat = render::download(*rendered);
     if (view.mask.empty()) view.mask = scored_mask(heat, options, view);
-    rendered = methods.renderers[m]->render(methods.scene, from, options.renderer);
+    rendered = methods.renderers[m]->render(methods.scene, from, alone);
     if (!rendered) return forward(rendered);
     score_method(methods.names[m], render::download(*rendered), view);
     view.scores[methods.names[m]].ghosting = ghosting_of(heat, view.mask);

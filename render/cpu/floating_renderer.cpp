@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/cpu/field_memory.h"
 #include "render/cpu/floating_inspection.h"
 #include "render/cpu/inspection.h"
 #include "render/cpu/position_shares.h"
@@ -30,18 +31,24 @@ class FloatingRenderer : public ViewRenderer {
     picture_.begin(view, options.background);
     parallax_ = options.positions == Positions::Parallax;
     if (!projection_.window().empty()) {
+      const bool remembers = options.field_memory > 0 && !intermediate && count() > 1;
       if (intermediate) {
         draw_intermediate(projection_, scene, view, options, picture_);
       } else {
         if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
         centers_ = centers_in_view(projection_);
         shown_ = shown_slots(scene, projection_.choice(), options);
-        projection_.for_rows([&](int y, RowMemory& memory) { float_row(y, options, memory); });
+        if (remembers)
+          memory_.mix(scene, projection_, pulls_, options.flow.shrink,
+                      static_cast<float>(options.field_memory), pairwise_.fields());
+        projection_.for_rows([&](int y, RowMemory& rows) { float_row(y, options, rows); });
       }
       if (Result<void> ok = picture_.soften(projection_, options); !ok) return forward(ok);
+      if (remembers) memory_.keep(scene, projection_, pulls_, options.flow.shrink, pairwise_.fields());
     }
     return rendered_view(scene, view, projection_, picture_);
   }
+  void reset_history() override { memory_.forget(); }
 
  private:
   // Of one row; lists of an image each.
@@ -62,6 +69,7 @@ class FloatingRenderer : public ViewRenderer {
   ProjectedImages images_;
   std::vector<bool> pulls_;
   PairwiseFlows pairwise_;
+  FieldMemory memory_;
   CentersInView centers_{};
   ShownSlots shown_;
   bool parallax_ = true;

@@ -6,6 +6,7 @@
 
 #include "core/log.h"
 #include "core/text.h"
+#include "render/gl/field_memory.h"
 #include "render/gl/floating_flow.h"
 #include "render/gl/inspection.h"
 #include "render/gl/projection.h"
@@ -23,11 +24,13 @@ constexpr float kLeastFade = 1e-4F;  // shaders/float.comp has the same: a faint
 
 class FloatingRenderer : public ViewRenderer {
  public:
-  FloatingRenderer(Projection projection, Inspection inspection, gl::Kernel project, gl::Kernel composite)
+  FloatingRenderer(Projection projection, Inspection inspection, gl::Kernel project, gl::Kernel composite,
+                   FieldMemory memory)
       : projection_(std::move(projection)),
         inspection_(std::move(inspection)),
         project_(std::move(project)),
         float_(std::move(composite)),
+        memory_(std::move(memory)),
         software_(is_software_gl()) {}
 
   Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
@@ -45,6 +48,10 @@ class FloatingRenderer : public ViewRenderer {
         StageTimes::enter("images");
         project_images(options.fill_hidden);
         if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
+        const gl::Texture* flows = &flows_;
+        if (options.field_memory > 0 && count() > 1)
+          flows = &memory_.mix(scene, view, projection_, pulling(), options.flow.shrink,
+                               static_cast<float>(options.field_memory), flows_);
         const ShownSlots shown = shown_slots(scene, projection_.choice(), options);
         StageTimes::enter("blending");
         float_.set(1, static_cast<int>(options.positions))
@@ -52,7 +59,7 @@ class FloatingRenderer : public ViewRenderer {
             .set(3, options.shown_camera < 0 ? 1 : 0);
         projection_.draw(float_,
                          {&projection_.surface(), &projection_.weights(0), &projection_.weights(1), &images_,
-                          &flows_, &projection_.angular(0), &projection_.angular(1), &projection_.soft(0),
+                          flows, &projection_.angular(0), &projection_.angular(1), &projection_.soft(0),
                           &projection_.soft(1), &confidence_},
                          target_);
       }
@@ -60,6 +67,7 @@ class FloatingRenderer : public ViewRenderer {
     }
     return rendered_view(scene, view, projection_, target_);
   }
+  void reset_history() override { memory_.forget(); }
 
  private:
   int count() const { return static_cast<int>(projection_.choice().chosen); }
@@ -151,6 +159,7 @@ class FloatingRenderer : public ViewRenderer {
   Projection projection_;
   Inspection inspection_;
   gl::Kernel project_, float_;
+  FieldMemory memory_;
   gl::Texture images_, flows_, confidence_;
   ViewTarget target_;
   bool software_;                         // what draws; or the flow does not run on what does
@@ -172,8 +181,11 @@ Result<std::unique_ptr<ViewRenderer>> make_floating_renderer() {
       "float.comp",
       {"view.glsl", "camera.glsl", "footprint.glsl", "positions.glsl", "false_color.glsl", "picture.glsl"});
   if (!composite) return forward(composite);
-  return std::unique_ptr<ViewRenderer>(std::make_unique<FloatingRenderer>(
-      std::move(*projection), std::move(*inspection), std::move(*project), std::move(*composite)));
+  Result<FieldMemory> memory = FieldMemory::create();
+  if (!memory) return forward(memory);
+  return std::unique_ptr<ViewRenderer>(
+      std::make_unique<FloatingRenderer>(std::move(*projection), std::move(*inspection), std::move(*project),
+                                         std::move(*composite), std::move(*memory)));
 }
 
 }  // namespace floatstage::render

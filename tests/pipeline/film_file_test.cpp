@@ -250,5 +250,47 @@ TEST_F(AFilmFile, WithMotionBlurIsOnePart) {
   EXPECT_EQ(whole->parts, 1);
 }
 
+// A walk around one instant: a picture's fields know those before it.
+TEST_F(AFilmFile, WithFieldMemoryHasTheSameBytesWhoeverMakesItsPartsAndWhen) {
+  film_.methods = {"floating"};
+  film_.frames = {1};
+  ASSERT_THAT(render(out("forgetful.mp4")), IsOk());
+  film_.renderer.field_memory = 0.75;
+  ASSERT_THAT(render(out("whole.mp4")), IsOk());
+  EXPECT_NE(*read_file(out("whole.mp4")), *read_file(out("forgetful.mp4"))) << "nothing is tested";
+  stop_after(7, out("film.mp4"));
+  ASSERT_THAT(render(out("film.mp4")), IsOk());
+  EXPECT_EQ(*read_file(out("film.mp4")), *read_file(out("whole.mp4")));
+  for (const int picture : {7, 2}) ASSERT_THAT(render(out("shared.mp4"), {picture}), IsOk());  // by others
+  ASSERT_THAT(render(out("shared.mp4")), IsOk());
+  EXPECT_EQ(*read_file(out("shared.mp4")), *read_file(out("whole.mp4")));
+}
+
+TEST_F(AFilmFile, WithFieldMemoryShowsNothingOfItsBlocks) {
+  auto take = std::move(*capture::TakeReader::open(path_));
+  const CameraPath path = orbit_around(take->rig(), *find_subject(*take), {.seconds = 5}).path;
+  film_.methods = {"floating", "nearest"};
+  film_.frames = {1};
+  const auto drawn = [&](double memory, int block) {
+    film_.renderer.field_memory = memory;
+    film_.block = block;
+    std::vector<Image> pictures;
+    EXPECT_THAT(render_film(*take, path, film_,
+                            [&](FilmPicture picture) {
+                              pictures.push_back(picture.renders.front());
+                              return Result<void>();
+                            }),
+                IsOk());
+    return pictures;
+  };
+  const std::vector<Image> alone = drawn(0, 50), in_blocks = drawn(0.75, 4), in_one = drawn(0.75, 50);
+  ASSERT_EQ(in_blocks.size(), std::size_t(kPictures));
+  ASSERT_EQ(in_one.size(), std::size_t(kPictures));
+  for (const std::size_t first : {8, 12}) {
+    EXPECT_NE(in_one[first], alone[first]) << "nothing is tested";
+    EXPECT_GT(psnr(in_blocks[first], in_one[first]), psnr(alone[first], in_one[first])) << first;
+  }
+}
+
 }  // namespace
 }  // namespace floatstage::pipeline
