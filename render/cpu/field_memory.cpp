@@ -6,203 +6,166 @@
 #include <utility>
 
 #include "core/parallel.h"
-#include "render/pairwise_flows.h"
 #include "render/scene_impl.h"
 
 namespace floatstage::render::cpu {
 namespace {
 
-constexpr float kMostStretch = 2;  // from one picture to the next; more is an edge
-
-// A place of this view's surface in the picture before, px of its window.
-struct Place {
-  float x = 0, y = 0;
-  bool known = false;
-};
-
-// Finds them: through the proxy.
-class WayBack {
+// From pixels of one view's window to those of another's.
+class Passage {
  public:
-  WayBack(const ViewRays& now, const ViewRays& before) : now_(now), before_(before) {
-    const std::array<float, 9>&a = before.world_from_view, &b = now.world_from_view;
+  struct Point {
+    float x, y, z;  // px, and depth in that view
+  };
+
+  Passage(const ViewRays& from, const ViewRays& to) : from_(from), to_(to) {
+    const std::array<float, 9>&a = to.world_from_view, &b = from.world_from_view;
     for (std::size_t r = 0; r < 3; ++r)
       for (std::size_t k = 0; k < 3; ++k) {
         for (std::size_t c = 0; c < 3; ++c) turn_[3 * r + c] += a[3 * k + r] * b[3 * k + c];
-        move_[r] += a[3 * k + r] * (now.eye[k] - before.eye[k]);
+        move_[r] += a[3 * k + r] * (from.eye[k] - to.eye[k]);
       }
   }
 
-  // Of pixel x, y of this view at depth 1/inverse_z; `inverse_z_before` of the other's pixels.
-  Place of(float x, float y, float inverse_z, const float* inverse_z_before, int width, int height,
-           float tolerance) const {
-    if (!(inverse_z > 0)) return {};
-    const float z = 1 / inverse_z, ry = (y - now_.cy) * now_.inverse_fy,
-                rx = (x - now_.cx - now_.skew * ry) * now_.inverse_fx;
+  Point of(float x, float y, float z) const {
+    const float ry = (y - from_.cy) * from_.inverse_fy,
+                rx = (x - from_.cx - from_.skew * ry) * from_.inverse_fx;
     std::array<float, 3> at = move_;
     for (std::size_t r = 0; r < 3; ++r)
       at[r] += z * (turn_[3 * r] * rx + turn_[3 * r + 1] * ry + turn_[3 * r + 2]);
-    if (!(at[2] > 0)) return {};
-    const float py = at[1] / at[2];
-    const Place place{at[0] / at[2] / before_.inverse_fx + before_.skew * py + before_.cx,
-                      py / before_.inverse_fy + before_.cy, true};
-    if (!(place.x >= 0 && place.y >= 0 && place.x < static_cast<float>(width) &&
-          place.y < static_cast<float>(height)))
-      return {};
-    const float was = inverse_z_before[static_cast<std::size_t>(place.y) * static_cast<std::size_t>(width) +
-                                       static_cast<std::size_t>(place.x)];
-    return was > 0 && std::abs(1 / was - at[2]) <= tolerance ? place : Place();
+    const float px = at[0] / at[2], py = at[1] / at[2];
+    return {px / to_.inverse_fx + to_.skew * py + to_.cx, py / to_.inverse_fy + to_.cy, at[2]};
   }
 
  private:
-  const ViewRays &now_, &before_;
+  const ViewRays &from_, &to_;
   std::array<float, 9> turn_{};
   std::array<float, 3> move_{};
 };
 
-// How the picture before is stretched against this one along a row or a column: by the neighbours of a place
-// on the same surface.
-bool stretch(const Place& at, const Place& after, const Place& ahead, float px, std::array<float, 2>& d) {
-  for (const auto& [other, sign] : {std::pair(after, 1.F), std::pair(ahead, -1.F)}) {
-    if (!other.known) continue;
-    d = {sign * (other.x - at.x) / px, sign * (other.y - at.y) / px};
-    const float square = d[0] * d[0] + d[1] * d[1];
-    if (square < kMostStretch * kMostStretch && square * kMostStretch * kMostStretch > 1) return true;
-  }
-  return false;
-}
+// The surface as a picture shows it.
+struct Surface {
+  const float* inverse_z;
+  int width, height;
 
-// A texel that takes from fields of before: where it reads them, and how what it reads is turned and
-// stretched into this picture, times its share.
-struct Taking {
-  std::size_t to = 0, from = 0, right = 0, below = 0;  // floats
-  std::array<float, 4> weight{}, turn{};
+  // 0: nothing there.
+  float z_at(float x, float y) const {
+    if (!(x >= 0 && y >= 0 && x < static_cast<float>(width) && y < static_cast<float>(height))) return 0;
+    const float inverse = inverse_z[static_cast<std::ptrdiff_t>(y) * width + static_cast<std::ptrdiff_t>(x)];
+    return inverse > 0 ? 1 / inverse : 0;
+  }
 };
 
-Taking taking(std::size_t to, const Place& place, float px, int width, int height,
-              const std::array<float, 2>& along, const std::array<float, 2>& down, float scale) {
-  const float x = std::clamp(place.x / px - 0.5F, 0.F, static_cast<float>(width - 1)),
-              y = std::clamp(place.y / px - 0.5F, 0.F, static_cast<float>(height - 1));
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
-  const auto line = static_cast<std::size_t>(width);
-  return {2 * to,
-          2 * (static_cast<std::size_t>(y0) * line + static_cast<std::size_t>(x0)),
-          x0 + 1 < width ? std::size_t{2} : 0,
-          y0 + 1 < height ? 2 * line : 0,
-          {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy},
-          {scale * down[1], -scale * down[0], -scale * along[1], scale * along[0]}};
+// A texel whose surface the picture before shows, too.
+struct Taking {
+  std::size_t to = 0, from = 0, right = 0, below = 0;  // floats of fields
+  std::array<float, 4> weight{};
+  float x = 0, y = 0, z = 0;     // there
+  float home_x = 0, home_y = 0;  // where that is in this picture
+};
+
+FieldsOfPicture fields_of(const Projection& projection, const std::vector<bool>& wanted) {
+  const std::array<float, 3>& eye = projection.rays().eye;
+  FieldsOfPicture picture{{eye[0], eye[1], eye[2]}, {}, wanted};
+  for (std::size_t i = 0; i < projection.choice().chosen; ++i)
+    picture.cameras.push_back(projection.choice().listed[i]);
+  return picture;
 }
 
-void take(const std::vector<Taking>& all, float kept, const float* before, float* field) {
-  for (const Taking& t : all) {
-    const float* at = before + t.from;
+// What one call mixes, row by row.
+struct Mixing {
+  struct Field {
+    FlowField* now;
+    const FlowField* before;
+    float share;  // of what was before
+  };
+  Passage back, forth;
+  Surface surface, surface_before;
+  float tolerance;
+  float px;  // of the view, of a texel
+  std::vector<Field> fields = {};
+
+  void find(int y, std::vector<Taking>& row) const;
+  void take(const Field& field, const std::vector<Taking>& row) const;
+};
+
+void Mixing::find(int y, std::vector<Taking>& row) const {
+  row.clear();
+  const FlowField &now = *fields.front().now, &before = *fields.front().before;
+  const float py = (static_cast<float>(y) + 0.5F) * px;
+  for (int x = 0; x < now.width; ++x) {
+    const float here = (static_cast<float>(x) + 0.5F) * px, z = surface.z_at(here, py);
+    if (!(z > 0)) continue;
+    const Passage::Point there = back.of(here, py, z);
+    const float was = there.z > 0 ? surface_before.z_at(there.x, there.y) : 0;
+    if (!(was > 0) || std::abs(was - there.z) > tolerance) continue;
+    const float fx = std::clamp(there.x / px - 0.5F, 0.F, static_cast<float>(before.width - 1)),
+                fy = std::clamp(there.y / px - 0.5F, 0.F, static_cast<float>(before.height - 1));
+    const int x0 = static_cast<int>(fx), y0 = static_cast<int>(fy);
+    const float rx = fx - static_cast<float>(x0), ry = fy - static_cast<float>(y0);
+    const Passage::Point home = forth.of(there.x, there.y, was);
+    const auto line = static_cast<std::size_t>(before.width);
+    row.push_back({2 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(now.width) +
+                        static_cast<std::size_t>(x)),
+                   2 * (static_cast<std::size_t>(y0) * line + static_cast<std::size_t>(x0)),
+                   x0 + 1 < before.width ? std::size_t{2} : 0,
+                   y0 + 1 < before.height ? 2 * line : 0,
+                   {(1 - rx) * (1 - ry), rx * (1 - ry), (1 - rx) * ry, rx * ry},
+                   there.x,
+                   there.y,
+                   was,
+                   home.x,
+                   home.y});
+  }
+}
+
+// A field's two ends lie on the surface: this picture sees them where they are. An end beyond the surface's
+// edge is as far as its beginning.
+void Mixing::take(const Field& field, const std::vector<Taking>& row) const {
+  for (const Taking& t : row) {
+    const float* at = field.before->uv.data() + t.from;
     const auto read = [&](std::size_t c) {
       return t.weight[0] * at[c] + t.weight[1] * at[t.right + c] + t.weight[2] * at[t.below + c] +
              t.weight[3] * at[t.below + t.right + c];
     };
-    const float u = read(0), v = read(1);
-    field[t.to] = kept * field[t.to] + t.turn[0] * u + t.turn[1] * v;
-    field[t.to + 1] = kept * field[t.to + 1] + t.turn[2] * u + t.turn[3] * v;
-  }
-}
-
-// What one call mixes, band by band.
-struct Mixing {
-  const Projection& projection;
-  WayBack back;
-  const float* inverse_z;  // of the picture before
-  int width_before, height_before;
-  float px;                                                     // of the view, of a texel
-  float share;                                                  // of what was before
-  std::vector<std::pair<FlowField*, const FlowField*>> fields;  // of this picture, and of the one before
-
-  int width() const { return fields.front().first->width; }
-  int height() const { return fields.front().first->height; }
-  void find(int y, std::vector<Place>& row) const;
-  void mix(int first, int last) const;
-};
-
-// The places of a row's texels; nothing beyond the field.
-void Mixing::find(int y, std::vector<Place>& row) const {
-  const Window& window = projection.window();
-  row.assign(static_cast<std::size_t>(width()), Place());
-  const float py = (static_cast<float>(y) + 0.5F) * px;
-  const int line = static_cast<int>(py);
-  if (y < 0 || y >= height() || line >= window.height) return;
-  const float* plane = projection.inverse_z() + static_cast<std::ptrdiff_t>(line) * window.width;
-  for (std::size_t x = 0; x < row.size(); ++x) {
-    const float at = (static_cast<float>(x) + 0.5F) * px;
-    const int column = static_cast<int>(at);
-    if (column >= window.width) break;
-    row[x] = back.of(at, py, plane[column], inverse_z, width_before, height_before, projection.tolerance());
-  }
-}
-
-void Mixing::mix(int first, int last) const {
-  std::vector<Place> above, row, below;
-  std::vector<Taking> takings;
-  const FlowField& before = *fields.front().second;
-  find(first - 1, above);
-  find(first, row);
-  for (int y = first; y < last; ++y) {
-    find(y + 1, below);
-    takings.clear();
-    for (std::size_t x = 0; x < row.size(); ++x) {
-      const Place &at = row[x], after = x + 1 < row.size() ? row[x + 1] : Place(),
-                  ahead = x > 0 ? row[x - 1] : Place();
-      std::array<float, 2> along, down;
-      if (!at.known || !stretch(at, after, ahead, px, along) || !stretch(at, below[x], above[x], px, down))
-        continue;
-      const float determinant = along[0] * down[1] - along[1] * down[0];
-      if (!(determinant * kMostStretch * kMostStretch > 1)) continue;
-      const std::size_t to = static_cast<std::size_t>(y) * row.size() + x;
-      takings.push_back(taking(to, at, px, before.width, before.height, along, down, share / determinant));
-    }
-    for (const auto& [field, was] : fields) take(takings, 1 - share, was->uv.data(), field->uv.data());
-    std::swap(above, row);
-    std::swap(row, below);
+    const float x = t.x + px * read(0), y = t.y + px * read(1), z = surface_before.z_at(x, y);
+    const Passage::Point end = forth.of(x, y, z > 0 && std::abs(z - t.z) <= tolerance ? z : t.z);
+    float* uv = field.now->uv.data() + t.to;
+    uv[0] += field.share * ((end.x - t.home_x) / px - uv[0]);
+    uv[1] += field.share * ((end.y - t.home_y) / px - uv[1]);
   }
 }
 
 }  // namespace
 
 void FieldMemory::mix(const Scene& scene, const Projection& projection, const std::vector<bool>& wanted,
-                      int shrink, float share, std::span<FlowField> fields) const {
-  if (fields.empty() || shrink != shrink_ || scene_.lock() != scene.impl().on_cpu ||
-      version_ != scene.impl().version)
-    return;
-  const std::size_t count = projection.choice().chosen;
-  const auto slot_before = [&](std::size_t slot) {
-    return static_cast<std::size_t>(
-        std::find(cameras_.begin(), cameras_.end(), projection.choice().listed[slot]) - cameras_.begin());
-  };
-  Mixing mixing{projection,
-                WayBack(projection.rays(), rays_),
-                inverse_z_.data(),
-                width_,
-                height_,
-                static_cast<float>(shrink),
-                share,
-                {}};
-  for (std::size_t index = 0; index < fields.size(); ++index) {
-    const FlowPair pair = flow_pair_at(index, count);
-    const FlowPair before{slot_before(pair.first), slot_before(pair.second)};
-    if (wanted[pair.second] && before.first < cameras_.size() && before.second < cameras_.size() &&
-        wanted_[before.second])
-      mixing.fields.emplace_back(&fields[index], &fields_[flow_index_of(before, cameras_.size())]);
-  }
+                      int shrink, double share, std::span<FlowField> fields) const {
+  if (shrink != shrink_ || scene_.lock() != scene.impl().on_cpu || version_ != scene.impl().version) return;
+  const Window& window = projection.window();
+  Mixing mixing{.back = Passage(projection.rays(), rays_),
+                .forth = Passage(rays_, projection.rays()),
+                .surface = {projection.inverse_z(), window.width, window.height},
+                .surface_before = {inverse_z_.data(), width_, height_},
+                .tolerance = projection.tolerance(),
+                .px = static_cast<float>(shrink)};
+  for (const RememberedField& one :
+       remembered_fields(scene.impl(), fields_of(projection, wanted), picture_, share))
+    mixing.fields.push_back({&fields[one.now], &fields_[one.before], one.share});
   if (mixing.fields.empty()) return;
-  const int height = mixing.height(), threads = projection.threads(),
+  const int height = fields[0].height, threads = projection.threads(),
             bands = std::max(1, std::min(height, threads > 0 ? threads : default_threads()));
   parallel_for(static_cast<std::size_t>(bands), threads, [&](std::size_t band) {
     const int at = static_cast<int>(band);
-    mixing.mix(height * at / bands, height * (at + 1) / bands);
+    std::vector<Taking> row;
+    for (int y = height * at / bands; y < height * (at + 1) / bands; ++y) {
+      mixing.find(y, row);
+      for (const Mixing::Field& field : mixing.fields) mixing.take(field, row);
+    }
   });
 }
 
 void FieldMemory::keep(const Scene& scene, const Projection& projection, const std::vector<bool>& wanted,
                        int shrink, std::span<FlowField> fields) {
-  if (fields.empty()) return forget();
   scene_ = scene.impl().on_cpu;
   version_ = scene.impl().version;
   rays_ = projection.rays();
@@ -211,10 +174,7 @@ void FieldMemory::keep(const Scene& scene, const Projection& projection, const s
   shrink_ = shrink;
   inverse_z_.assign(projection.inverse_z(),
                     projection.inverse_z() + static_cast<std::ptrdiff_t>(width_) * height_);
-  cameras_ = {};
-  for (std::size_t i = 0; i < projection.choice().chosen; ++i)
-    cameras_.push_back(projection.choice().listed[i]);
-  wanted_ = wanted;
+  picture_ = fields_of(projection, wanted);
   fields_.resize(std::max(fields_.size(), fields.size()));
   std::swap_ranges(fields.begin(), fields.end(), fields_.begin());
 }

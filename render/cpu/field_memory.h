@@ -7,8 +7,8 @@
 
 #include "render/cpu/projection.h"
 #include "render/flow.h"
+#include "render/remembered_fields.h"
 #include "render/scene.h"
-#include "render/short_list.h"
 
 namespace floatstage::render::cpu {
 
@@ -21,9 +21,9 @@ class FieldMemory {
  public:
   /// Mixes `share` of what was kept into the `fields` (flow_pair_at(), at 1/shrink) of a picture whose
   /// `projection` has run, where the picture before showed the same surface of the same scene drawn from the
-  /// same two photographs. Fields towards images that are not `wanted` stay.
+  /// same two photographs (remembered_fields()). Fields towards images that are not `wanted` stay.
   void mix(const Scene& scene, const Projection& projection, const std::vector<bool>& wanted, int shrink,
-           float share, std::span<FlowField> fields) const;
+           double share, std::span<FlowField> fields) const;
   /// The picture is drawn: it is the one before the next. Its `fields` are given for others of their size.
   void keep(const Scene& scene, const Projection& projection, const std::vector<bool>& wanted, int shrink,
             std::span<FlowField> fields);
@@ -35,8 +35,7 @@ class FieldMemory {
   ViewRays rays_{};
   int width_ = 0, height_ = 0, shrink_ = 1;
   std::vector<float> inverse_z_;
-  ShortList<int, kMostListed> cameras_;
-  std::vector<bool> wanted_;
+  FieldsOfPicture picture_;
   std::vector<FlowField> fields_;
 };
 

@@ -39,8 +39,8 @@ class FloatingRenderer : public ViewRenderer {
         centers_ = centers_in_view(projection_);
         shown_ = shown_slots(scene, projection_.choice(), options);
         if (remembers)
-          memory_.mix(scene, projection_, pulls_, options.flow.shrink,
-                      static_cast<float>(options.field_memory), pairwise_.fields());
+          memory_.mix(scene, projection_, pulls_, options.flow.shrink, options.field_memory,
+                      pairwise_.fields());
         projection_.for_rows([&](int y, RowMemory& rows) { float_row(y, options, rows); });
       }
       if (Result<void> ok = picture_.soften(projection_, options); !ok) return forward(ok);

@@ -1,24 +1,25 @@
 #include "render/gl/field_memory.h"
 
-#include <algorithm>
+#include <utility>
 
 #include <Eigen/Geometry>
 
-#include "render/pairwise_flows.h"
 #include "render/scene_impl.h"
 
 namespace floatstage::render {
 namespace {
 
 constexpr int kBinding = 1;  // of MemoryBlock
+constexpr std::size_t kFields = kMostListed * (kMostListed - 1);
 
 // Uniforms of the pass (std140; shaders/field_memory.comp has the twin).
 struct MemoryBlock {
-  std::array<float, 16> view_from_world;
+  std::array<float, 16> view_from_world, now_from_then;
   std::array<float, 4> k, window;
-  std::array<int, kMostListed*(kMostListed - 1)> layers;
+  std::array<int, kFields> layers;
+  std::array<float, kFields> shares;
 };
-static_assert(sizeof(MemoryBlock) == 64 + 2 * 16 + 14 * 16);
+static_assert(sizeof(MemoryBlock) == 128 + 2 * 16 + 2 * 14 * 16);
 
 float f(double v) { return static_cast<float>(v); }
 
@@ -38,28 +39,25 @@ bool FieldMemory::knows(const Scene& scene, int shrink) const {
 }
 
 const gl::Texture& FieldMemory::mix(const Scene& scene, const View& view, const Projection& projection,
-                                    const std::vector<bool>& wanted, int shrink, float share,
+                                    const std::vector<bool>& wanted, int shrink, double share,
                                     const gl::Texture& flows) {
   const Window& window = projection.window();
   const CameraChoice& choice = projection.choice();
   const auto fields = static_cast<int>(choice.chosen * (choice.chosen - 1));
+  FieldsOfPicture picture{view.view_from_world.center(), {}, wanted};
+  for (std::size_t i = 0; i < choice.chosen; ++i) picture.cameras.push_back(choice.listed[i]);
   MemoryBlock block{};
   block.layers.fill(-1);
   if (knows(scene, shrink)) {
     Eigen::Map<Eigen::Matrix4f>(block.view_from_world.data()) = view_.view_from_world.matrix().cast<float>();
+    Eigen::Map<Eigen::Matrix4f>(block.now_from_then.data()) =
+        (view.view_from_world * view_.view_from_world.inverse()).matrix().cast<float>();
     const CameraModel& m = view_.model;
     block.k = {f(m.fx), f(m.fy), f(m.cx - window_.x), f(m.cy - window_.y)};
     block.window = {f(window_.width), f(window_.height), f(m.skew), 0};
-    const auto slot_before = [&](std::size_t slot) {
-      return static_cast<std::size_t>(std::find(cameras_.begin(), cameras_.end(), choice.listed[slot]) -
-                                      cameras_.begin());
-    };
-    for (std::size_t index = 0; index < static_cast<std::size_t>(fields); ++index) {
-      const FlowPair pair = flow_pair_at(index, choice.chosen);
-      const FlowPair before{slot_before(pair.first), slot_before(pair.second)};
-      if (wanted[pair.second] && before.first < cameras_.size() && before.second < cameras_.size() &&
-          wanted_[before.second])
-        block.layers[index] = static_cast<int>(flow_index_of(before, cameras_.size()));
+    for (const RememberedField& one : remembered_fields(scene.impl(), picture, picture_, share)) {
+      block.layers[one.now] = static_cast<int>(one.before);
+      block.shares[one.now] = one.share;
     }
   }
   gl::upload(uniforms_, uniform_capacity_, &block, sizeof block);
@@ -68,7 +66,7 @@ const gl::Texture& FieldMemory::mix(const Scene& scene, const View& view, const 
   const int width = (window.width + shrink - 1) / shrink, height = (window.height + shrink - 1) / shrink;
   gl::Texture& mixed = fields_[1 - kept_];
   mixed.reserve(flows.format(), GL_LINEAR, width, height, fields);
-  pass_.set(0, width, height).set(1, fields).set(2, share);
+  pass_.set(0, width, height).set(1, fields);
   pass_.over(width, height, {&projection.surface(), &flows, &fields_[kept_], &surface_}, {&mixed});
 
   surface_.reserve(projection.surface().format(), GL_NEAREST, window.width, window.height);
@@ -80,9 +78,7 @@ const gl::Texture& FieldMemory::mix(const Scene& scene, const View& view, const 
   view_ = view;
   window_ = window;
   shrink_ = shrink;
-  cameras_ = {};
-  for (std::size_t i = 0; i < choice.chosen; ++i) cameras_.push_back(choice.listed[i]);
-  wanted_ = wanted;
+  picture_ = std::move(picture);
   return mixed;
 }
 

@@ -7,6 +7,7 @@
 
 #include "render/gl/kernel.h"
 #include "render/gl/projection.h"
+#include "render/remembered_fields.h"
 
 namespace floatstage::render {
 
@@ -19,7 +20,7 @@ class FieldMemory {
   /// kept in them; and keeps those. Towards images that are not `wanted` nothing is kept. Valid until the
   /// next call.
   const gl::Texture& mix(const Scene& scene, const View& view, const Projection& projection,
-                         const std::vector<bool>& wanted, int shrink, float share, const gl::Texture& flows);
+                         const std::vector<bool>& wanted, int shrink, double share, const gl::Texture& flows);
   void forget() { scene_.reset(); }
 
  private:
@@ -37,8 +38,7 @@ class FieldMemory {
   View view_;
   Window window_;
   int shrink_ = 1;
-  ShortList<int, kMostListed> cameras_;
-  std::vector<bool> wanted_;
+  FieldsOfPicture picture_;
 };
 
 }  // namespace floatstage::render

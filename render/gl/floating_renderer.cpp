@@ -50,8 +50,8 @@ class FloatingRenderer : public ViewRenderer {
         if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
         const gl::Texture* flows = &flows_;
         if (options.field_memory > 0 && count() > 1)
-          flows = &memory_.mix(scene, view, projection_, pulling(), options.flow.shrink,
-                               static_cast<float>(options.field_memory), flows_);
+          flows = &memory_.mix(scene, view, projection_, pulling(), options.flow.shrink, options.field_memory,
+                               flows_);
         const ShownSlots shown = shown_slots(scene, projection_.choice(), options);
         StageTimes::enter("blending");
         float_.set(1, static_cast<int>(options.positions))

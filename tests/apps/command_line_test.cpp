@@ -89,6 +89,7 @@ TEST(CommandLine, SaysWhatIsWrongWithAFilterAScaleOrAProxyBeforeItOpensTheTake) 
                                                        {"--uncertainty nan", "uncertainty"},
                                                        {"--band-limit -1", "band limit"},
                                                        {"--motion-blur 1", "motion blur"},
+                                                       {"--field-memory 1", "field memory"},
                                                        {"--scale 2", "1/2"},
                                                        {"--scale 1/0", "1/2"},
                                                        {"--proxy cube", "plane:Z"},

@@ -1,6 +1,8 @@
 // Fields that stay from one picture to the next: they are the surface's, whoever looks at it.
 #include <limits>
 
+#include "render/pairwise_flows.h"
+#include "render/remembered_fields.h"
 #include "tests/render/stage.h"
 
 namespace floatstage::render {
@@ -142,6 +144,48 @@ TEST_P(FieldMemories, AreAShareOfThePicture) {
   for (const double share : {-0.1, 1., std::numeric_limits<double>::quiet_NaN()})
     EXPECT_THAT(renderer_->render(scene_, view_at(4), remembering(share)),
                 FailsWith(ErrorCode::InvalidArgument, "field memory"));
+}
+
+// Two cameras 20 degrees apart, and the share that a view leaves to one so many degrees beside it.
+float share_after(double degrees, double share) {
+  const Stage stage = photographed(arc(2, 20), ball(0.25F, 24), ball(0.25F, 24));
+  Scene scene;
+  EXPECT_THAT(scene.set(stage.rig, stage.scene), IsOk());
+  const FieldsOfPicture before{on_orbit(0).center(), {0, 1}, {true, true}},
+      now{on_orbit(degrees).center(), {0, 1}, {true, true}};
+  const std::vector<RememberedField> common = remembered_fields(scene.impl(), now, before, share);
+  EXPECT_TRUE(common.empty() || common.size() == 2);
+  return common.empty() ? 0 : common.front().share;
+}
+
+TEST(RememberedFields, ReachHalfWayFromCameraToCameraAtMost) {
+  EXPECT_EQ(share_after(0, 0.75), 0.75F);
+  EXPECT_EQ(share_after(1, 0.75), 0.75F);
+  EXPECT_NEAR(share_after(5, 0.75), 0.5, 0.02) << "half of the reach";
+  EXPECT_NEAR(share_after(5, 0.4), 0.4, 1e-6) << "what is left of less than that";
+  EXPECT_EQ(share_after(11, 0.75), 0);
+}
+
+TEST(RememberedFields, AreThoseOfTheSamePhotographsInWhateverOrder) {
+  const Stage stage = photographed(arc(4, 20), ball(0.25F, 24), ball(0.25F, 24));
+  Scene scene;
+  ASSERT_THAT(scene.set(stage.rig, stage.scene), IsOk());
+  const Eigen::Vector3d eye = on_orbit(0).center();
+  const FieldsOfPicture before{eye, {2, 0, 3}, {true, true, true}};
+  FieldsOfPicture now{eye, {1, 3, 2}, {true, true, true}};
+  std::vector<RememberedField> common = remembered_fields(scene.impl(), now, before, 0.5);
+  ASSERT_EQ(common.size(), 2U) << "between cameras 2 and 3";
+  EXPECT_EQ(common[0].now, flow_index_of({1, 2}, 3));  // from 3 to 2
+  EXPECT_EQ(common[0].before, flow_index_of({2, 0}, 3));
+  EXPECT_EQ(common[1].now, flow_index_of({2, 1}, 3));
+  EXPECT_EQ(common[1].before, flow_index_of({0, 2}, 3));
+  now.wanted = {true, true, false};
+  common = remembered_fields(scene.impl(), now, before, 0.5);
+  ASSERT_EQ(common.size(), 1U) << "nobody asks for what leads to camera 2";
+  EXPECT_EQ(common[0].now, flow_index_of({2, 1}, 3));
+  now.cameras = {1};
+  now.wanted = {true};
+  EXPECT_TRUE(remembered_fields(scene.impl(), now, before, 0.5).empty());
 }
 
 class FieldMemoriesOfBoth : public Rendering {};
