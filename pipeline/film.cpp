@@ -20,8 +20,7 @@
 namespace floatstage::pipeline {
 namespace {
 
-constexpr int kLeadIn =
-    8;  // of what a field was before so many pictures, a tenth is left at the usual memory
+constexpr int kLeadIn = 8;  // pictures: a tenth of what was before is left at the usual memory
 
 using Watch = std::chrono::steady_clock;
 double since(Watch::time_point t) { return std::chrono::duration<double>(Watch::now() - t).count(); }

@@ -104,6 +104,7 @@ void Mixing::find(int y, std::vector<Taking>& row) const {
     const int x0 = static_cast<int>(fx), y0 = static_cast<int>(fy);
     const float rx = fx - static_cast<float>(x0), ry = fy - static_cast<float>(y0);
     const Passage::Point home = forth.of(there.x, there.y, was);
+    if (!(home.z > 0)) continue;
     const auto line = static_cast<std::size_t>(before.width);
     row.push_back({2 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(now.width) +
                         static_cast<std::size_t>(x)),
@@ -130,6 +131,7 @@ void Mixing::take(const Field& field, const std::vector<Taking>& row) const {
     };
     const float x = t.x + px * read(0), y = t.y + px * read(1), z = surface_before.z_at(x, y);
     const Passage::Point end = forth.of(x, y, z > 0 && std::abs(z - t.z) <= tolerance ? z : t.z);
+    if (!(end.z > 0)) continue;  // a view from within the scene
     float* uv = field.now->uv.data() + t.to;
     uv[0] += field.share * ((end.x - t.home_x) / px - uv[0]);
     uv[1] += field.share * ((end.y - t.home_y) / px - uv[1]);

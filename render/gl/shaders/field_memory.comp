@@ -24,13 +24,14 @@ bool surface_then(vec2 place, out float z) {
   return z < kNothing;
 }
 
-// Where this picture shows a point of the one before, px of the window.
-vec2 here(vec2 place, float z) {
+// Where this picture shows a point of the one before, px of the window. False: behind its eye.
+bool here(vec2 place, float z, out vec2 seen) {
   vec2 p = place - before.k.zw;
   float y = p.y / before.k.y;
   vec4 at = before.now_from_then * vec4(z * (p.x - before.window.z * y) / before.k.x, z * y, z, 1.0);
   vec2 r = at.xy / at.z;
-  return vec2(r.x * view.view_k.x + view.settings.x * r.y, r.y * view.view_k.y) + view.view_k.zw - view.window.xy;
+  seen = vec2(r.x * view.view_k.x + view.settings.x * r.y, r.y * view.view_k.y) + view.view_k.zw - view.window.xy;
+  return at.z > 0.0;
 }
 
 // Where the picture before shows what texel `at` of a field shows, if it does.
@@ -49,22 +50,21 @@ bool place_of(ivec2 at, out vec2 place, out float was) {
 void main() {
   ivec2 at = window_pixel();
   if (any(greaterThanEqual(at, size))) return;
-  vec2 place;
+  vec2 place, home;
   float was;
-  bool known = before.window.x > 0.0 && place_of(at, place, was);
+  bool known = before.window.x > 0.0 && place_of(at, place, was) && here(place, was, home);
   // The last texels that were written: beyond them is what an earlier, larger window left.
   vec2 last = floor((before.window.xy - 1.0) / view.settings.w);
   vec2 texel = clamp(place / view.settings.w, vec2(0.5), last + 0.5) / vec2(textureSize(kept, 0).xy);
-  vec2 home = known ? here(place, was) : vec2(0.0);
   for (int field = 0; field < fields; ++field) {
     vec2 uv = texelFetch(found, ivec3(at, field), 0).xy;
     int layer = before.layers[field >> 2][field & 3];
     if (known && layer >= 0) {
       // Both ends lie on the surface; an end beyond its edge is as far as its beginning.
-      vec2 end = place + view.settings.w * textureLod(kept, vec3(texel, layer), 0.0).xy;
+      vec2 end = place + view.settings.w * textureLod(kept, vec3(texel, layer), 0.0).xy, seen;
       float z;
       if (!surface_then(end, z) || abs(z - was) > view.settings.z) z = was;
-      uv = mix(uv, (here(end, z) - home) / view.settings.w, before.shares[field >> 2][field & 3]);
+      if (here(end, z, seen)) uv = mix(uv, (seen - home) / view.settings.w, before.shares[field >> 2][field & 3]);
     }
     imageStore(mixed, ivec3(at, field), vec4(uv, 0.0, 0.0));
   }
