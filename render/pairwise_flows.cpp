@@ -91,6 +91,94 @@ Result<void> PairwiseFlows::estimate(const ProjectedImages& images, const std::v
   return {};
 }
 
+Result<void> PairwiseFlows::estimate_with_depth(const ProjectedImages& images, const Parallaxes& parallaxes,
+                                                double share, const std::vector<bool>& wanted,
+                                                const FlowOptions& options, int threads,
+                                                Interruption* interruption) {
+  const std::size_t count = images.gray.size();
+  const bool alone = share >= 1;
+  if (!alone) halve_images(images, half_);
+  Result<void> depth, flows;
+  // Two halves of about the same work.
+  parallel_for(alone ? 1 : 2, threads, [&](std::size_t half) {
+    if (half == 0)
+      depth = depth_.estimate(images, parallaxes, interruption);
+    else
+      flows = estimate(half_, wanted, options, threads, interruption);
+  });
+  for (const Result<void>* ok : {&depth, &flows})
+    if (!*ok) return *ok;
+  pairs_ = count * (count - 1);
+  fields_.resize(std::max(fields_.size(), pairs_));
+  mixed_.resize(std::max(mixed_.size(), pairs_));
+  for (std::size_t index = 0; index < pairs_; ++index) make_zero(mixed_[index], images);
+  const auto rows = static_cast<std::size_t>(images.height);
+  const auto weight = static_cast<float>(std::min(share, 1.0));
+  parallel_for(count * rows, threads, [&](std::size_t item) {
+    mix(parallaxes, item / rows, static_cast<int>(item % rows), weight, wanted);
+  });
+  fields_.swap(mixed_);
+  if (keeps_confidence_) mix_confidence(images, weight);
+  return {};
+}
+
+// Row `row` of the fields from image `image`.
+void PairwiseFlows::mix(const Parallaxes& parallaxes, std::size_t image, int row, float share,
+                        const std::vector<bool>& wanted) {
+  const std::size_t count = wanted.size();
+  const int width = parallaxes.width;
+  const std::size_t line = static_cast<std::size_t>(row) * static_cast<std::size_t>(width);
+  const std::vector<float>& displacement = depth_.displacement();
+  for (int x = 0; x < width; ++x) {
+    if (displacement[line + static_cast<std::size_t>(x)] == 0 && share >= 1) continue;
+    const DepthFlow::Home home = depth_.home(parallaxes, image, x, row);
+    for (std::size_t j = 0; j < count; ++j) {
+      if (j == image || !wanted[j]) continue;
+      const std::size_t index = flow_index_of({image, j}, count);
+      float* uv = mixed_[index].uv.data() + 2 * (line + static_cast<std::size_t>(x));
+      uv[0] = share * home.e * (parallaxes.x[j][home.at] - parallaxes.x[image][home.at]);
+      uv[1] = share * home.e * (parallaxes.y[j][home.at] - parallaxes.y[image][home.at]);
+    }
+  }
+  if (share >= 1) return;
+  // What pairs say, enlarged: each pixel lies three quarters in one of theirs.
+  const int half_width = half_.width, near = row / 2,
+            far = std::clamp(row % 2 == 0 ? near - 1 : near + 1, 0, half_.height - 1);
+  const float scale = 2 * (1 - share);
+  for (std::size_t j = 0; j < count; ++j) {
+    if (j == image || !wanted[j]) continue;
+    const std::size_t index = flow_index_of({image, j}, count);
+    const auto at = [&](int y) {
+      return fields_[index].uv.data() +
+             2 * static_cast<std::size_t>(y) * static_cast<std::size_t>(half_width);
+    };
+    const float *a = at(near), *b = at(far);
+    float* uv = mixed_[index].uv.data() + 2 * line;
+    for (int x = 0; x < width; ++x) {
+      const int here = x / 2, beside = std::clamp(x % 2 == 0 ? here - 1 : here + 1, 0, half_width - 1);
+      for (int c = 0; c < 2; ++c)
+        uv[2 * x + c] += scale * (0.75F * (0.75F * a[2 * here + c] + 0.25F * a[2 * beside + c]) +
+                                  0.25F * (0.75F * b[2 * here + c] + 0.25F * b[2 * beside + c]));
+    }
+  }
+}
+
+void PairwiseFlows::mix_confidence(const ProjectedImages& images, float share) {
+  const auto width = static_cast<std::size_t>(images.width), height = static_cast<std::size_t>(images.height),
+             half_width = (width + 1) / 2;
+  confidence_.resize(pairs_);
+  for (std::vector<std::uint8_t>& of_pair : confidence_) {
+    const std::vector<std::uint8_t> half = std::move(of_pair);
+    of_pair.assign(width * height, 0);
+    for (std::size_t y = 0; y < height; ++y)
+      for (std::size_t x = 0; x < width; ++x) {
+        const auto depth = static_cast<float>(depth_.believed()[y * width + x]);
+        const float pair = half.empty() ? depth : static_cast<float>(half[y / 2 * half_width + x / 2]);
+        of_pair[y * width + x] = static_cast<std::uint8_t>(share * depth + (1 - share) * pair + 0.5F);
+      }
+  }
+}
+
 void PairwiseFlows::make_dependable(const ProjectedImages& images, std::size_t index, Worker& worker) {
   FlowField& field = fields_[index];
   if (place_[index] == kNotAsked) return make_zero(field, images);

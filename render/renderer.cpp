@@ -92,6 +92,8 @@ Result<void> check(const RendererOptions& o) {
                kMostUncertain);
   if (!(o.motion_blur >= 0) || o.motion_blur > kMostBlur)
     return bad("a motion blur of ", o.motion_blur, " is not between 0 (none) and ", kMostBlur);
+  if (!(o.depth_share >= 0) || o.depth_share > 1)
+    return bad("a depth share of ", o.depth_share, " is not between 0 (fields alone) and 1 (depth alone)");
   if (!(o.field_memory >= 0) || o.field_memory > kMostMemory)
     return bad("a field memory of ", o.field_memory, " is not between 0 (none) and ", kMostMemory);
   if (o.threads < 0) return bad(o.threads, " threads; 0 means one per core");

@@ -60,8 +60,12 @@ struct RendererOptions {
                                      ///< or take `uncertainty`
   double uncertainty = 0.0063;  ///< band-limited, filtered: how far the surface may lie before or behind the
                                 ///< proxy, as a share of the diagonal of the proxy's box
-  double motion_blur = 0;   ///< filtered: share of the pictures before that stays in each, 0: none; while the
-                            ///< view rests the picture tends to the one without
+  double motion_blur = 0;  ///< filtered: share of the pictures before that stays in each, 0: none; while the
+                           ///< view rests the picture tends to the one without
+  /// floating: how much of where images are read is what one depth a pixel says, found for all photographs at
+  /// once; the rest is what fields between each two of them say, at half the size. 0: fields alone, at full
+  /// size; 1: depth alone. Variational flow and Positions::Parallax only; always found on the CPU.
+  double depth_share = 0;
   double field_memory = 0;  ///< floating: share of the fields of the picture before that stays in each
                             ///< picture's, 0: none; while the scene is the same, as fields are the surface's
   bool fill_hidden = true;  ///< floating: what a photograph does not see of the proxy shows the strongest of

@@ -13,6 +13,11 @@ Result<void> check_render(const Scene& scene, const View& view, const RendererOp
   return {};
 }
 
+bool finds_depth(const RendererOptions& options) {
+  return options.depth_share > 0 && options.positions == Positions::Parallax &&
+         options.flow.backend == "variational";
+}
+
 ShortList<int, kMostListed> cameras_of(const Scene& scene, const CameraChoice& choice) {
   ShortList<int, kMostListed> cameras;
   for (std::size_t i = 0; i < choice.chosen; ++i)

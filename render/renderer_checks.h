@@ -8,6 +8,9 @@ namespace floatstage::render {
 /// The refusals that all renderers share.
 Result<void> check_render(const Scene& scene, const View& view, const RendererOptions& options);
 
+/// Whether floating finds one depth a pixel for all photographs at once (RendererOptions::depth_share).
+bool finds_depth(const RendererOptions& options);
+
 /// RenderedView::cameras of a choice.
 ShortList<int, kMostListed> cameras_of(const Scene& scene, const CameraChoice& choice);
 

@@ -98,6 +98,11 @@ void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
           ->check(one_of({"ultrafast", "fast", "medium", "quality"})),
       verb.add_option("--flow-finest-scale", o.flow.finest_scale,
                       "Pyramid level at which the flow stops; 0: full resolution"),
+      verb.add_option(
+              "--depth-share", o.depth_share,
+              "floating: how much of where photographs are read is what one depth a pixel explains for all "
+              "of them; 0: fields between each two alone, 1: depth alone")
+          ->type_name("SHARE"),
       verb.add_option("--positions", flags.positions,
                       "Where floating puts what photographs show at different places: parallax (where it is "
                       "whatever depth the hull misses there) or mean (Eq. 11.3)")

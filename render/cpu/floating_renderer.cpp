@@ -6,6 +6,7 @@
 #include "render/cpu/field_memory.h"
 #include "render/cpu/floating_inspection.h"
 #include "render/cpu/inspection.h"
+#include "render/cpu/parallax_planes.h"
 #include "render/cpu/position_shares.h"
 #include "render/cpu/renderers.h"
 #include "render/cpu/warp_kernels.h"
@@ -35,8 +36,8 @@ class FloatingRenderer : public ViewRenderer {
       if (intermediate) {
         draw_intermediate(projection_, scene, view, options, picture_);
       } else {
-        if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
         centers_ = centers_in_view(projection_);
+        if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
         shown_ = shown_slots(scene, projection_.choice(), options);
         if (remembers)
           memory_.mix(scene, projection_, pulls_, options.flow.shrink, options.field_memory,
@@ -59,6 +60,7 @@ class FloatingRenderer : public ViewRenderer {
 
   std::size_t count() const { return projection_.choice().chosen; }
   Result<void> estimate_flows(const RendererOptions& options);
+  void find_parallaxes(int shrink);
   void let_filled_in(std::size_t pixels, Lists& lists) const;
   void warp_image(std::size_t image, int y, const RendererOptions& options, Lists& lists, RowMemory& memory);
   void float_image(std::size_t image, int y, Lists& lists, RowMemory& memory);
@@ -68,6 +70,8 @@ class FloatingRenderer : public ViewRenderer {
   Picture picture_;
   ProjectedImages images_;
   std::vector<bool> pulls_;
+  ParallaxPlanes parallax_planes_;
+  Parallaxes parallaxes_;
   PairwiseFlows pairwise_;
   FieldMemory memory_;
   CentersInView centers_{};
@@ -82,7 +86,30 @@ Result<void> FloatingRenderer::estimate_flows(const RendererOptions& options) {
   if (std::find(pulls_.begin(), pulls_.end(), true) == pulls_.end()) pulls_.assign(count(), true);
   projection_.gray_images(options.flow.shrink, images_);
   pairwise_.keep_confidence(options.output == RenderOutput::Confidence);
-  return pairwise_.estimate(images_, pulls_, options.flow, options.threads, &projection_.interruption());
+  Interruption* interruption = &projection_.interruption();
+  if (!finds_depth(options))
+    return pairwise_.estimate(images_, pulls_, options.flow, options.threads, interruption);
+  find_parallaxes(options.flow.shrink);
+  return pairwise_.estimate_with_depth(images_, parallaxes_, options.depth_share, pulls_, options.flow,
+                                       options.threads, interruption);
+}
+
+void FloatingRenderer::find_parallaxes(int shrink) {
+  const Covered& covered = projection_.covered();
+  ShortList<float, kMostListed> fade;
+  for (std::size_t i = 0; i < count(); ++i) fade.push_back(projection_.choice().fade[i]);
+  parallax_planes_.run(
+      {projection_.rays(), centers_, fade, projection_.window().width, projection_.window().height, shrink,
+       projection_.threads()},
+      [&](int y, SurfaceRow& out) {
+        const Covered::Row& row = covered.rows[static_cast<std::size_t>(y)];
+        out.count = row.count;
+        if (row.count == 0) return;
+        std::copy_n(covered.x.data() + row.list, row.count, out.x.data());
+        std::copy_n(covered.inverse_z.data() + row.list, row.count, out.inverse_z.data());
+        projection_.write_normals(y, out.nx.data(), out.ny.data(), out.nz.data());
+      },
+      parallaxes_);
 }
 
 // Where the chosen cameras see little of what arrives, the images of those that do not see it count, which

@@ -129,7 +129,7 @@ class Intermediate {
   // view, to first order (docs/algorithms/floating-textures.md: u_j).
   void shifts(std::size_t slot, int y, const Normals& n, float* x, float* dy) const {
     const ViewRays& rays = projection_.rays();
-    const std::array<float, 3> center = center_in_view(rays, projection_.camera(slot));
+    const std::array<float, 3> center = center_in_view(rays, projection_.camera(slot).center);
     const PixelList points = row_points(projection_, y);
     const std::array<float, 9>& m = rays.world_from_view;
     const float ry = (points.row_y - rays.cy) * rays.inverse_fy;

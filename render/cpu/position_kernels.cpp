@@ -94,6 +94,21 @@ void PositionWeights(const ViewRays& rays, const CentersInView& centers, const P
   }
 }
 
+void ParallaxesOfRow(const ViewRays& rays, const CentersInView& centers, const PositionRow& row,
+                     const std::array<float*, kMostListed>& x, const std::array<float*, kMostListed>& y) {
+  Block nx, ny, nz, ux, uy;
+  for (int begin = 0; begin < row.count; begin += kBlock) {
+    turn_normals(rays, row.normals, begin, nx, ny, nz);
+    for (std::size_t j = 0; j < static_cast<std::size_t>(row.cameras); ++j) {
+      parallax(rays, centers[j], row, begin, nx, ny, nz, ux, uy);
+      for (int k = 0; k < kBlock; ++k) {
+        x[j][begin + k] = ux.v[k] / rays.inverse_fx + rays.skew * uy.v[k];
+        y[j][begin + k] = uy.v[k] / rays.inverse_fy;
+      }
+    }
+  }
+}
+
 void LeanOnDepth(const ViewRays& rays, const CentersInView& centers, const PositionRow& row,
                  const FetchedRow& fetched) {
   const auto cameras = static_cast<std::size_t>(row.cameras);
@@ -143,18 +158,24 @@ HWY_AFTER_NAMESPACE();
 namespace floatstage::render::cpu {
 
 HWY_EXPORT(PositionWeights);
+HWY_EXPORT(ParallaxesOfRow);
 HWY_EXPORT(LeanOnDepth);
 
-std::array<float, 3> center_in_view(const ViewRays& rays, const PhotoCamera& camera) {
+std::array<float, 3> center_in_view(const ViewRays& rays, const std::array<float, 3>& center) {
   std::array<float, 3> out{};
   const std::array<float, 9>& m = rays.world_from_view;
   for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t r = 0; r < 3; ++r) out[c] += m[3 * r + c] * (camera.center[r] - rays.eye[r]);
+    for (std::size_t r = 0; r < 3; ++r) out[c] += m[3 * r + c] * (center[r] - rays.eye[r]);
   return out;
 }
 
 void position_weights(const ViewRays& rays, const CentersInView& centers, const PositionRow& row) {
   HWY_DYNAMIC_DISPATCH(PositionWeights)(rays, centers, row);
+}
+
+void parallaxes_of_row(const ViewRays& rays, const CentersInView& centers, const PositionRow& row,
+                       const std::array<float*, kMostListed>& x, const std::array<float*, kMostListed>& y) {
+  HWY_DYNAMIC_DISPATCH(ParallaxesOfRow)(rays, centers, row, x, y);
 }
 
 void lean_on_depth(const ViewRays& rays, const CentersInView& centers, const PositionRow& row,

@@ -29,7 +29,7 @@ struct PositionRow {
 
 /// Of each camera's centre the coordinates of the view.
 using CentersInView = std::array<std::array<float, 3>, kMostListed>;
-std::array<float, 3> center_in_view(const ViewRays& rays, const PhotoCamera& camera);
+std::array<float, 3> center_in_view(const ViewRays& rays, const std::array<float, 3>& center);
 
 /// Camera j's parallax u_j at one pixel, in units of the view's picture plane at z = 1: how its image of the
 /// surface is displaced where the proxy is wrong along the viewing ray `ray` (x, y, 1), but for a factor that
@@ -47,6 +47,10 @@ inline std::array<float, 2> parallax(const std::array<float, 2>& ray, float z,
 /// displaced by its parallax u_j. Weights nearest to the angular ones under which these displacements cancel:
 /// sum v_j u_j = 0. Where the angular weights do so already, or no camera has parallax, they stay.
 void position_weights(const ViewRays& rays, const CentersInView& centers, const PositionRow& row);
+
+/// Each camera's u_j at the pixels of a row, in px of the view; `row.share` is not looked at.
+void parallaxes_of_row(const ViewRays& rays, const CentersInView& centers, const PositionRow& row,
+                       const std::array<float*, kMostListed>& x, const std::array<float*, kMostListed>& y);
 
 /// Where each image is read for the pixels of a row.
 struct FetchedRow {

@@ -48,7 +48,7 @@ PositionShares position_shares(const Projection& projection, int y, const Center
 CentersInView centers_in_view(const Projection& projection) {
   CentersInView centers{};
   for (std::size_t i = 0; i < projection.choice().chosen; ++i)
-    centers[i] = center_in_view(projection.rays(), projection.camera(i));
+    centers[i] = center_in_view(projection.rays(), projection.camera(i).center);
   return centers;
 }
 

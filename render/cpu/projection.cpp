@@ -32,6 +32,8 @@ RasterCamera raster_camera(const View& view, const Window& window) {
   return out;
 }
 
+}  // namespace
+
 ViewRays view_rays(const View& view, const Window& window) {
   const CameraModel& m = view.model;
   ViewRays rays{};
@@ -48,6 +50,8 @@ ViewRays view_rays(const View& view, const Window& window) {
   rays.eye = {f(eye.x()), f(eye.y()), f(eye.z())};
   return rays;
 }
+
+namespace {
 
 std::uint32_t packed(const float* rgb) {
   auto byte = [](float v) { return static_cast<std::uint32_t>(v + 0.5F); };

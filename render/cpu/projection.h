@@ -34,6 +34,9 @@ class RowMemory {
   std::size_t used_ = 0;
 };
 
+/// The view on the window's pixels.
+ViewRays view_rays(const View& view, const Window& window);
+
 /// The first half of every renderer: the proxy from the view, who sees what (depth maps, frame, matte), soft
 /// visibility (Eq. 11.5), the cameras' weights, and the intermediate images I_i^v where they are wanted.
 /// Planes have a value for each pixel of the window, lists one for each covered pixel (see Covered). Storage

@@ -7,33 +7,22 @@ namespace {
 
 constexpr int kNearRows = 4;  // rows that warp, gradient and diffusivity are looked back at, at most
 
-int power_of_two(int least) {
-  int size = 1;
-  while (size < least) size *= 2;
-  return size;
-}
-
 }  // namespace
-
-void FlowSweep::Ring::reset(int width, int rows) {
-  rows_.resize(width, rows);
-  mask_ = rows - 1;
-}
 
 void FlowSweep::reset(int width, int height, int sweeps) {
   width_ = width;
   height_ = height;
   sweeps_ = sweeps;
-  for (Ring* ring : {&mean_, &difference_, &weight_, &dx_, &dy_, &diffusivity_})
+  for (RowRing* ring : {&mean_, &difference_, &weight_, &dx_, &dy_, &diffusivity_})
     ring->reset(width, kNearRows);
   // The last half-sweep is 2 sweeps - 1 rows behind the equations and looks one row further back.
-  const int rows = power_of_two(2 * sweeps + 3);
-  for (Ring* ring : {&right_, &down_, &i11_, &i12_, &i22_, &b1_, &b2_}) ring->reset(width, rows);
+  const int rows = RowRing::rows_for(2 * sweeps + 3);
+  for (RowRing* ring : {&right_, &down_, &i11_, &i12_, &i22_, &b1_, &b2_}) ring->reset(width, rows);
   relaxations_.resize(static_cast<std::size_t>(rows));
   none_.resize(width, 1);
 }
 
-ThreeRows FlowSweep::three(Ring& ring, int y) const {
+ThreeRows FlowSweep::three(RowRing& ring, int y) const {
   return {ring[std::max(y - 1, 0)], ring[y], ring[std::min(y + 1, height_ - 1)]};
 }
 

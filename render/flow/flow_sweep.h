@@ -4,6 +4,7 @@
 
 #include "render/flow/flow_kernels.h"
 #include "render/flow/picture_pyramid.h"
+#include "render/flow/row_ring.h"
 #include "render/flow/split_plane.h"
 
 namespace floatstage::render {
@@ -24,17 +25,6 @@ class FlowSweep {
            const PictureLevel& second, SplitPlane& u, SplitPlane& v);
 
  private:
-  /// The last few rows of something.
-  class Ring {
-   public:
-    void reset(int width, int rows);
-    SplitRow operator[](int y) { return rows_.row(y & mask_); }
-    void clear(int y) { rows_.clear_row(y & mask_); }
-
-   private:
-    SplitPlane rows_;
-    int mask_ = 0;
-  };
   struct Task {
     const FlowKernels* kernels;
     const FlowEnergy* energy;
@@ -59,11 +49,11 @@ class FlowSweep {
   void relax_row(const Task& task, int y, int parity) const;
   EquationRow equations(int y) { return {i11_[y], i12_[y], i22_[y], b1_[y], b2_[y]}; }
   ConstSplitRow down_above(int y) { return y > 0 ? ConstSplitRow(down_[y - 1]) : none_.row(0); }
-  ThreeRows three(Ring& ring, int y) const;
+  ThreeRows three(RowRing& ring, int y) const;
   ThreeRows three(const SplitPlane& plane, int y) const;
 
   int width_ = 0, height_ = 0, sweeps_ = 0;
-  Ring mean_, difference_, weight_, dx_, dy_, diffusivity_, right_, down_, i11_, i12_, i22_, b1_, b2_;
+  RowRing mean_, difference_, weight_, dx_, dy_, diffusivity_, right_, down_, i11_, i12_, i22_, b1_, b2_;
   SplitPlane none_;                      // one row of zeros
   std::vector<Relaxation> relaxations_;  // of row y in y % size, as long as its equations
 };

@@ -6,6 +6,8 @@
 
 #include "core/log.h"
 #include "core/text.h"
+#include "render/cpu/parallax_planes.h"
+#include "render/cpu/projection.h"
 #include "render/gl/field_memory.h"
 #include "render/gl/floating_flow.h"
 #include "render/gl/inspection.h"
@@ -47,7 +49,7 @@ class FloatingRenderer : public ViewRenderer {
       } else {
         StageTimes::enter("images");
         project_images(options.fill_hidden);
-        if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
+        if (Result<void> ok = estimate_flows(scene, view, options); !ok) return forward(ok);
         const gl::Texture* flows = &flows_;
         if (options.field_memory > 0 && count() > 1)
           flows = &memory_.mix(scene, view, projection_, pulling(), options.flow.shrink, options.field_memory,
@@ -107,10 +109,42 @@ class FloatingRenderer : public ViewRenderer {
            (flow.place == FlowPlace::Gpu || (flow.place == FlowPlace::Auto && !software_));
   }
 
-  Result<void> estimate_flows(const RendererOptions& options) {
+  /// As the CPU's renderer finds them, from the surface that was drawn here.
+  void find_parallaxes(const Scene& scene, const View& view, int shrink, int threads) {
+    const Window& w = projection_.window();
+    const std::size_t width = static_cast<std::size_t>(w.width);
+    surface_.resize(4 * width * static_cast<std::size_t>(w.height));
+    glGetTextureSubImage(projection_.surface().id(), 0, 0, 0, 0, w.width, w.height, 1, GL_RGBA, GL_FLOAT,
+                         static_cast<GLsizei>(surface_.size() * sizeof(float)), surface_.data());
+    cpu::ParallaxPlanes::Task task{cpu::view_rays(view, w), {}, {}, w.width, w.height, shrink, threads};
+    for (std::size_t i = 0; i < projection_.choice().chosen; ++i) {
+      const auto camera = static_cast<std::size_t>(projection_.choice().listed[i]);
+      const Eigen::Vector3f center = scene.impl().cameras[camera].cam_from_world.center().cast<float>();
+      task.centers[i] = cpu::center_in_view(task.rays, {center.x(), center.y(), center.z()});
+      task.fade.push_back(projection_.choice().fade[i]);
+    }
+    parallax_planes_.run(
+        task,
+        [&](int y, cpu::SurfaceRow& row) {
+          row.count = 0;
+          const float* from = surface_.data() + 4 * width * static_cast<std::size_t>(y);
+          for (int x = 0; x < w.width; ++x, from += 4) {
+            if (!(from[3] > 0)) continue;
+            const auto k = static_cast<std::size_t>(row.count++);
+            row.x[k] = static_cast<float>(x) + 0.5F;
+            row.inverse_z[k] = 1 / from[3];
+            row.nx[k] = from[0];
+            row.ny[k] = from[1];
+            row.nz[k] = from[2];
+          }
+        },
+        parallaxes_);
+  }
+
+  Result<void> estimate_flows(const Scene& scene, const View& view, const RendererOptions& options) {
     const bool keeps = options.output == RenderOutput::Confidence;  // which only fields of the CPU have
     pairwise_.keep_confidence(keeps);
-    if (!keeps && flows_on_gpu(options.flow)) {
+    if (!keeps && !finds_depth(options) && flows_on_gpu(options.flow)) {
       const Result<void> made = make_computed();
       if (made) return compute_flows(options.flow);
       if (options.flow.place == FlowPlace::Gpu) return made;
@@ -122,9 +156,16 @@ class FloatingRenderer : public ViewRenderer {
               height = (w.height + shrink - 1) / shrink;
     flows_.reserve(GL_RG32F, GL_LINEAR, width, height, std::max(count() * (count() - 1), 1));
     if (count() < 2) return {};
-    if (Result<void> ok = pairwise_.estimate(read_images(shrink), pulling(), options.flow, options.threads);
-        !ok)
-      return ok;
+    const ProjectedImages images = read_images(shrink);
+    Result<void> made;
+    if (finds_depth(options)) {
+      find_parallaxes(scene, view, shrink, options.threads);
+      made = pairwise_.estimate_with_depth(images, parallaxes_, options.depth_share, pulling(), options.flow,
+                                           options.threads);
+    } else {
+      made = pairwise_.estimate(images, pulling(), options.flow, options.threads);
+    }
+    if (!made) return made;
     for (std::size_t pair = 0; pair < pairwise_.fields().size(); ++pair)
       glTextureSubImage3D(flows_.id(), 0, 0, 0, static_cast<GLint>(pair), width, height, 1, GL_RG, GL_FLOAT,
                           pairwise_.fields()[pair].uv.data());
@@ -162,7 +203,10 @@ class FloatingRenderer : public ViewRenderer {
   FieldMemory memory_;
   gl::Texture images_, flows_, confidence_;
   ViewTarget target_;
-  bool software_;                         // what draws; or the flow does not run on what does
+  bool software_;                        // what draws; or the flow does not run on what does
+  std::vector<float> surface_;           // read back for …
+  cpu::ParallaxPlanes parallax_planes_;  // … the fields
+  Parallaxes parallaxes_;
   PairwiseFlows pairwise_;                // on the CPU …
   std::optional<FloatingFlow> computed_;  // … or on the GPU: made when first used
 };

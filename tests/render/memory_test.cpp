@@ -8,7 +8,7 @@ namespace {
 
 class CpuRenderer : public testing::TestWithParam<std::tuple<const char*, int>> {};
 INSTANTIATE_TEST_SUITE_P(MethodsAndThreads, CpuRenderer,
-                         testing::Combine(testing::Values("nearest", "linear", "floating"),
+                         testing::Combine(testing::Values("nearest", "linear", "floating", "floating_depth"),
                                           testing::Values(1, 2)),
                          [](const auto& param) {
                            return std::string(std::get<0>(param.param)) + "_" +
@@ -21,8 +21,10 @@ TEST_P(CpuRenderer, AllocatesNothingOnceItHasSeenItsViews) {
   const Stage stage = photographed(arc(5, 25), ball(0.25F, 48, 0.6F), ball(0.265F, 16, 0.6F));
   render::Scene scene;
   ASSERT_THAT(scene.set(stage.rig, stage.scene), IsOk());
-  const auto renderer = std::move(*make_renderer(method, render::BackEnd::Cpu));
+  const bool depth = std::string_view(method) == "floating_depth";
+  const auto renderer = std::move(*make_renderer(depth ? "floating" : method, render::BackEnd::Cpu));
   RendererOptions options;
+  options.depth_share = depth ? 0.5 : 0;
   options.threads = threads;
   const View views[] = {view_at(8, 25, small_camera(256, 192)), view_at(-13, 5), view_at(3, 40)};
   constexpr int kWarmUp = 20, kCounted = 5;
