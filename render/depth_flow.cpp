@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/flow/gray_samples.h"
+
 namespace floatstage::render {
 namespace {
 
@@ -21,25 +23,6 @@ FlowEnergy energy() {
   FlowEnergy energy;
   energy.smooth_epsilon2 = 0.05F;
   return energy;
-}
-
-/// What is left of confidence, as FlowTrust's.
-float share(float fault, float usual) {
-  return fault < 2 * usual ? 1 - fault / (2 * usual) : fault > 0 ? 0.F : 1.F;
-}
-
-template <class T>
-float bilinear(const T* plane, int width, int height, float x, float y) {
-  x = std::min(std::max(0.F, x), static_cast<float>(width - 1));
-  y = std::min(std::max(0.F, y), static_cast<float>(height - 1));
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const int right = x0 + 1 < width ? 1 : 0;
-  const std::ptrdiff_t below = y0 + 1 < height ? width : 0;
-  const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
-  const T* at = plane + static_cast<std::ptrdiff_t>(y0) * width + x0;
-  const auto value = [&](std::ptrdiff_t offset) { return static_cast<float>(at[offset]); };
-  return (value(0) * (1 - fx) + value(right) * fx) * (1 - fy) +
-         (value(below) * (1 - fx) + value(below + right) * fx) * fy;
 }
 
 void split(const float* from, int width, SplitRow to) {
@@ -195,7 +178,7 @@ void DepthFlow::differ(const ProjectedImages& images, const Parallaxes& parallax
       if (state[line + x] == ProjectedImages::kNoProxy) continue;
       const float px = static_cast<float>(x) + e_[line + x] * ux[x],
                   py = static_cast<float>(y) + e_[line + x] * uy[x];
-      read_[i][x] = bilinear(gray, width_, height_, px, py);
+      read_[i][x] = bilinear_sample(gray, width_, height_, px, py);
       const int at_x = static_cast<int>(std::floor(px + 0.5F)),
                 at_y = static_cast<int>(std::floor(py + 0.5F));
       const bool within = at_x >= 0 && at_y >= 0 && at_x < width_ && at_y < height_;
@@ -251,8 +234,8 @@ void DepthFlow::judge(const ProjectedImages& images, const Parallaxes& parallaxe
         said += said_[k * width + x];
       }
       if (said <= 0 || images.state[0][line + x] == ProjectedImages::kNoProxy) continue;
-      known_[line + x] =
-          static_cast<std::uint8_t>(255 * share(moved, kUsualResidual * said) * share(moved, still) + 0.5F);
+      known_[line + x] = static_cast<std::uint8_t>(
+          255 * confidence_left(moved, kUsualResidual * said) * confidence_left(moved, still) + 0.5F);
     }
   }
 }
@@ -291,7 +274,7 @@ DepthFlow::Home DepthFlow::home(const Parallaxes& parallaxes, std::size_t image,
   for (int k = 0; k < kReturns; ++k) {
     const int a = std::clamp(static_cast<int>(at_x + 0.5F), 0, width_ - 1),
               b = std::clamp(static_cast<int>(at_y + 0.5F), 0, height_ - 1);
-    home.e = bilinear(e_.data(), width_, height_, at_x, at_y);
+    home.e = bilinear_sample(e_.data(), width_, height_, at_x, at_y);
     home.at = static_cast<std::size_t>(b) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(a);
     at_x = px - home.e * parallaxes.x[image][home.at];
     at_y = py - home.e * parallaxes.y[image][home.at];

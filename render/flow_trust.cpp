@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/flow/gray_samples.h"
+
 namespace floatstage::render {
 namespace {
 
@@ -10,24 +12,6 @@ constexpr float kUsualRoundTrip = 0.7F;  // px by which the way there and back m
 constexpr float kUsualResidual = 10;     // 8-bit steps, mean over a neighbourhood: the same
 constexpr int kNeighborhood = 2;         // px to each side
 constexpr int kAcross = 2 * kNeighborhood + 1;
-
-/// What is left of confidence: all without a fault, half where it is usual, nothing from twice that on.
-float share(float fault, float usual) {
-  return fault < 2 * usual ? 1 - fault / (2 * usual) : fault > 0 ? 0.F : 1.F;
-}
-
-float bilinear(const std::uint8_t* gray, int width, int height, float x, float y) {
-  x = std::min(std::max(0.F, x), static_cast<float>(width - 1));
-  y = std::min(std::max(0.F, y), static_cast<float>(height - 1));
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const int right = x0 + 1 < width ? 1 : 0;
-  const std::ptrdiff_t below = y0 + 1 < height ? width : 0;
-  const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
-  const std::uint8_t* at = gray + static_cast<std::ptrdiff_t>(y0) * width + x0;
-  const auto value = [&](std::ptrdiff_t offset) { return static_cast<float>(at[offset]); };
-  return (value(0) * (1 - fx) + value(right) * fx) * (1 - fy) +
-         (value(below) * (1 - fx) + value(below + right) * fx) * fy;
-}
 
 }  // namespace
 
@@ -64,9 +48,9 @@ void FlowTrust::differ(const ProjectedImages& images, std::size_t from, std::siz
     for (int x = side; x < side + kNeighborhood; ++x) still[x] = moved[x] = 0;
   for (int x = first; x < last; ++x) still[x] = static_cast<float>(std::abs(a[x] - b[x]));
   for (int x = first; x < last; ++x)
-    moved[x] = std::abs(static_cast<float>(a[x]) - bilinear(images.gray[to].data(), width_, height_,
-                                                            static_cast<float>(x) + uv[2 * x],
-                                                            static_cast<float>(y) + uv[2 * x + 1]));
+    moved[x] = std::abs(static_cast<float>(a[x]) - bilinear_sample(images.gray[to].data(), width_, height_,
+                                                                   static_cast<float>(x) + uv[2 * x],
+                                                                   static_cast<float>(y) + uv[2 * x + 1]));
   for (int x = span.begin; x < span.end; ++x) {
     before[x] = still[x - 2] + still[x - 1] + still[x] + still[x + 1] + still[x + 2];
     after[x] = moved[x - 2] + moved[x - 1] + moved[x] + moved[x + 1] + moved[x + 2];
@@ -92,7 +76,7 @@ void FlowTrust::judge(const ProjectedImages& images, std::size_t from, std::size
       still += before[k][x];
       moved += after[k][x];
     }
-    float confidence = share(moved, kMost) * share(moved, still);
+    float confidence = confidence_left(moved, kMost) * confidence_left(moved, still);
     if (confidence <= 0) continue;
     const std::size_t i = line + static_cast<std::size_t>(x);
     const float u = there.uv[2 * i], v = there.uv[2 * i + 1];
@@ -104,7 +88,7 @@ void FlowTrust::judge(const ProjectedImages& images, std::size_t from, std::size
     if (end[t] != ProjectedImages::kOwn) continue;
     if (back != nullptr) {
       const float home_u = u + back->uv[2 * t], home_v = v + back->uv[2 * t + 1];
-      confidence *= share(std::sqrt(home_u * home_u + home_v * home_v), kUsualRoundTrip);
+      confidence *= confidence_left(std::sqrt(home_u * home_u + home_v * home_v), kUsualRoundTrip);
     }
     believed_[i] = static_cast<std::uint8_t>(255 * confidence + 0.5F);
   }

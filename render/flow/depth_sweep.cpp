@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "render/flow/row_wave.h"
+
 namespace floatstage::render {
 namespace {
 
@@ -40,16 +42,9 @@ ThreeRows DepthSweep::three(RowRing& ring, int y) const {
 void DepthSweep::run(const FlowKernels& kernels, const FlowEnergy& energy, const DepthLevel& level,
                      std::span<const DepthPairShare> pairs, SplitPlane& e) {
   const Task task{&kernels, &energy, &level, pairs, &e};
-  const int halves = 2 * sweeps_;
-  for (int t = 0; t < height_ + 2 + halves; ++t) {
-    if (t < height_) warp_row(task, t);
-    if (t >= 1 && t - 1 < height_) differentiate_row(task, t - 1);
-    if (t >= 2 && t - 2 < height_) equate_row(task, t - 2);
-    for (int h = 0; h < halves; ++h) {
-      const int y = t - 2 - h;
-      if (y >= 0 && y < height_) relax_row(task, y, (y + h) & 1);
-    }
-  }
+  row_wave(
+      height_, sweeps_, [&](int y) { warp_row(task, y); }, [&](int y) { differentiate_row(task, y); },
+      [&](int y) { equate_row(task, y); }, [&](int y, int parity) { relax_row(task, y, parity); });
 }
 
 // Reads every picture where e points to, and compares them in pairs.

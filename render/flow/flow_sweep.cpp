@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "render/flow/row_wave.h"
+
 namespace floatstage::render {
 namespace {
 
@@ -33,16 +35,9 @@ ThreeRows FlowSweep::three(const SplitPlane& plane, int y) const {
 void FlowSweep::run(const FlowKernels& kernels, const FlowEnergy& energy, bool cubic,
                     const PictureLevel& first, const PictureLevel& second, SplitPlane& u, SplitPlane& v) {
   const Task task{&kernels, &energy, cubic, &first, &second, second.sampled(), &u, &v};
-  const int halves = 2 * sweeps_;
-  for (int t = 0; t < height_ + 2 + halves; ++t) {
-    if (t < height_) warp_row(task, t);
-    if (t >= 1 && t - 1 < height_) differentiate_row(task, t - 1);
-    if (t >= 2 && t - 2 < height_) equate_row(task, t - 2);
-    for (int h = 0; h < halves; ++h) {
-      const int y = t - 2 - h;
-      if (y >= 0 && y < height_) relax_row(task, y, (y + h) & 1);
-    }
-  }
+  row_wave(
+      height_, sweeps_, [&](int y) { warp_row(task, y); }, [&](int y) { differentiate_row(task, y); },
+      [&](int y) { equate_row(task, y); }, [&](int y, int parity) { relax_row(task, y, parity); });
 }
 
 void FlowSweep::warp_row(const Task& task, int y) {
