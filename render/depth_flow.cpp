@@ -25,14 +25,6 @@ FlowEnergy energy() {
   return energy;
 }
 
-void split(const float* from, int width, SplitRow to) {
-  for (int i = 0; i < width / 2; ++i) {
-    to.even[i] = from[2 * i];
-    to.odd[i] = from[2 * i + 1];
-  }
-  if (width % 2 != 0) to.even[width / 2] = from[width - 1];
-}
-
 /// The mean over those of the four finer pixels that are inside.
 void halve(const SplitPlane& fine, const SplitPlane& inside, SplitPlane& coarse, std::vector<float>& row) {
   const int width = coarse.width();
@@ -47,31 +39,7 @@ void halve(const SplitPlane& fine, const SplitPlane& inside, SplitPlane& coarse,
                   count = (in.even[x] + in.odd[x]) + once * (in_below.even[x] + in_below.odd[x]);
       row[static_cast<std::size_t>(x)] = count > 0 ? sum / count : 0.F;
     }
-    split(row.data(), width, coarse.row(y));
-  }
-}
-
-/// As Enlargement::bilinear() does it.
-void enlarge(const SplitPlane& coarse, SplitPlane& fine, std::vector<float>& row) {
-  const int width = fine.width();
-  row.resize(static_cast<std::size_t>(width));
-  for (int y = 0; y < fine.height(); ++y) {
-    const int near = y / 2, far = std::clamp(y % 2 == 0 ? near - 1 : near + 1, 0, coarse.height() - 1);
-    const ConstSplitRow a = coarse.row(near), b = coarse.row(far);
-    const auto column = [&](int x) {
-      const int i = x / 2;
-      return x % 2 == 0 ? 0.75F * a.even[i] + 0.25F * b.even[i] : 0.75F * a.odd[i] + 0.25F * b.odd[i];
-    };
-    const int last = coarse.width() - 1;
-    float left = column(0), here = left;
-    for (int x = 0; x <= last; ++x) {
-      const float right = column(std::min(x + 1, last));
-      row[static_cast<std::size_t>(2 * x)] = 2 * (0.75F * here + 0.25F * left);
-      if (2 * x + 1 < width) row[static_cast<std::size_t>(2 * x + 1)] = 2 * (0.75F * here + 0.25F * right);
-      left = here;
-      here = right;
-    }
-    split(row.data(), width, fine.row(y));
+    split_row(row.data(), width, 1, coarse.row(y));
   }
 }
 
@@ -110,7 +78,7 @@ void DepthFlow::lay_out(const ProjectedImages& images, const Parallaxes& paralla
       const std::uint8_t* zone = first.zone.data() + first.at(0, y);
       for (int x = 0; x < width; ++x)
         row_[static_cast<std::size_t>(x)] = zone[x] == PictureLevel::kDomain ? 1.F : 0.F;
-      split(row_.data(), width, level.inside.row(y));
+      split_row(row_.data(), width, 1, level.inside.row(y));
       const SplitRow out = level.stiffness.row(y);
       for (int i = 0; i < level.stiffness.whole_row().end; ++i) {
         float sum_even = 0, sum_odd = 0;
@@ -135,8 +103,8 @@ void DepthFlow::lay_out(const ProjectedImages& images, const Parallaxes& paralla
       }
       for (int y = 0; y < height; ++y) {
         const std::size_t line = first.at(0, y);
-        split(parallaxes.x[i].data() + line, width, to.x.row(y));
-        split(parallaxes.y[i].data() + line, width, to.y.row(y));
+        split_row(parallaxes.x[i].data() + line, width, 1, to.x.row(y));
+        split_row(parallaxes.y[i].data() + line, width, 1, to.y.row(y));
       }
     }
   }
@@ -148,8 +116,10 @@ void DepthFlow::solve(int levels) {
   for (int l = levels - 1; l >= 0; --l) {
     Level& level = levels_[static_cast<std::size_t>(l)];
     const PictureLevel& first = *level.pictures[0];
-    level.e.reset(first.width, first.height);
-    if (l + 1 < levels) enlarge(levels_[static_cast<std::size_t>(l) + 1].e, level.e, row_);
+    if (l + 1 < levels)
+      enlargement_.bilinear(first, levels_[static_cast<std::size_t>(l) + 1].e, level.e);
+    else
+      level.e.reset(first.width, first.height);
     sweep_.reset(first.width, first.height, kFinestSweeps << std::min(l, kMostDoublings),
                  level.pictures.size(), pairs_.size());
     for (int k = 0; k < std::min(kFinestWarps + l, kMostWarps); ++k)

@@ -5,6 +5,7 @@
 
 #include "render/flow.h"
 #include "render/flow/depth_sweep.h"
+#include "render/flow/enlargement.h"
 #include "render/image_fill.h"
 #include "render/interruption.h"
 #include "render/parallaxes.h"
@@ -25,7 +26,7 @@ class DepthFlow {
   Result<void> estimate(const ProjectedImages& images, const Parallaxes& parallaxes,
                         Interruption* interruption = nullptr);
 
-  const std::vector<float>& displacement() const { return e_; }  ///< px, width * height; 0 off the proxy
+  const std::vector<float>& displacement() const { return e_; }         ///< px, width * height
   const std::vector<std::uint8_t>& believed() const { return known_; }  ///< how far it was, 0…255
 
   /// What image `image` shows at pixel (x, y) belongs to a pixel of the view, whose displacement is `e` and
@@ -50,6 +51,7 @@ class DepthFlow {
   std::vector<Level> levels_;
   std::vector<DepthPairShare> pairs_;
   DepthSweep sweep_;
+  Enlargement enlargement_;
   std::vector<float> e_, row_;
   // Of rows, as sums along them: how far images are from one another as they are, as they are moved, and what
   // share of the pairs says so.

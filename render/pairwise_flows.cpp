@@ -98,6 +98,7 @@ Result<void> PairwiseFlows::estimate_with_depth(const ProjectedImages& images, c
   const std::size_t count = images.gray.size();
   const bool alone = share >= 1;
   if (!alone) halve_images(images, half_);
+  confidence_.clear();  // of the picture before
   Result<void> depth, flows;
   // Two halves of about the same work.
   parallel_for(alone ? 1 : 2, threads, [&](std::size_t half) {
@@ -118,7 +119,7 @@ Result<void> PairwiseFlows::estimate_with_depth(const ProjectedImages& images, c
     mix(parallaxes, item / rows, static_cast<int>(item % rows), weight, wanted);
   });
   fields_.swap(mixed_);
-  if (keeps_confidence_) mix_confidence(images, weight);
+  if (keeps_confidence_) mix_confidence(images, weight, wanted);
   return {};
 }
 
@@ -128,9 +129,7 @@ void PairwiseFlows::mix(const Parallaxes& parallaxes, std::size_t image, int row
   const std::size_t count = wanted.size();
   const int width = parallaxes.width;
   const std::size_t line = static_cast<std::size_t>(row) * static_cast<std::size_t>(width);
-  const std::vector<float>& displacement = depth_.displacement();
   for (int x = 0; x < width; ++x) {
-    if (displacement[line + static_cast<std::size_t>(x)] == 0 && share >= 1) continue;
     const DepthFlow::Home home = depth_.home(parallaxes, image, x, row);
     for (std::size_t j = 0; j < count; ++j) {
       if (j == image || !wanted[j]) continue;
@@ -163,11 +162,14 @@ void PairwiseFlows::mix(const Parallaxes& parallaxes, std::size_t image, int row
   }
 }
 
-void PairwiseFlows::mix_confidence(const ProjectedImages& images, float share) {
+void PairwiseFlows::mix_confidence(const ProjectedImages& images, float share,
+                                   const std::vector<bool>& wanted) {
   const auto width = static_cast<std::size_t>(images.width), height = static_cast<std::size_t>(images.height),
              half_width = (width + 1) / 2;
   confidence_.resize(pairs_);
-  for (std::vector<std::uint8_t>& of_pair : confidence_) {
+  for (std::size_t index = 0; index < pairs_; ++index) {
+    if (!wanted[flow_pair_at(index, wanted.size()).second]) continue;
+    std::vector<std::uint8_t>& of_pair = confidence_[index];
     const std::vector<std::uint8_t> half = std::move(of_pair);
     of_pair.assign(width * height, 0);
     for (std::size_t y = 0; y < height; ++y)

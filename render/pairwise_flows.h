@@ -51,7 +51,7 @@ class PairwiseFlows {
   };
   void mix(const Parallaxes& parallaxes, std::size_t image, int row, float share,
            const std::vector<bool>& wanted);
-  void mix_confidence(const ProjectedImages& images, float share);
+  void mix_confidence(const ProjectedImages& images, float share, const std::vector<bool>& wanted);
   void make_dependable(const ProjectedImages& images, std::size_t index, Worker& worker);
 
   std::optional<FlowOptions> options_;

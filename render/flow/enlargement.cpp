@@ -73,23 +73,18 @@ void guide_row(const PictureLevel& level, int y, std::vector<float>& value, std:
 
 }  // namespace
 
-void Enlargement::bilinear(const PictureLevel& fine, const SplitPlane& u, const SplitPlane& v,
-                           SplitPlane& fine_u, SplitPlane& fine_v) {
-  fine_u.resize(fine.width, fine.height);
-  fine_v.resize(fine.width, fine.height);
+void Enlargement::bilinear(const PictureLevel& fine, const SplitPlane& from, SplitPlane& to) {
+  to.resize(fine.width, fine.height);
   for (int y = 0; y < fine.height; ++y) {
     const SplitSpan span = fine.spans[static_cast<std::size_t>(y)];
-    fine_u.clear_outside(span, y);
-    fine_v.clear_outside(span, y);
+    to.clear_outside(span, y);
     if (span.empty()) continue;
-    const Between rows = between(y, u.height());
-    for (const auto& [from, to] : {std::pair(&u, &fine_u), std::pair(&v, &fine_v)}) {
-      merge(*from, rows.near, 2, near_.u);
-      merge(*from, rows.far, 2, far_.u);
-      const SplitRow out = to->row(y);
-      blend_half(span, -1, near_.u.data() + 1, far_.u.data() + 1, out.even);
-      blend_half(span, 1, near_.u.data() + 1, far_.u.data() + 1, out.odd);
-    }
+    const Between rows = between(y, from.height());
+    merge(from, rows.near, 2, near_.u);
+    merge(from, rows.far, 2, far_.u);
+    const SplitRow out = to.row(y);
+    blend_half(span, -1, near_.u.data() + 1, far_.u.data() + 1, out.even);
+    blend_half(span, 1, near_.u.data() + 1, far_.u.data() + 1, out.odd);
   }
 }
 

@@ -75,11 +75,13 @@ void FieldSolver::solve(const FlowKernels& kernels, const SolverOptions& options
     Field& field = fields_[static_cast<std::size_t>(l)];
     if (l < start) {
       const Field& coarse = fields_[static_cast<std::size_t>(l) + 1];
-      if (l >= finest)
-        enlargement_.bilinear(from, coarse.u, coarse.v, field.u, field.v);
-      else
+      if (l >= finest) {
+        enlargement_.bilinear(from, coarse.u, field.u);
+        enlargement_.bilinear(from, coarse.v, field.v);
+      } else {
         enlargement_.guided(first.level(l + 1), from, options.guide_edge, coarse.u, coarse.v, field.u,
                             field.v);
+      }
     }
     if (l < finest) continue;
     sweep_.reset(from.width, from.height, options.sweeps_at(l));

@@ -43,16 +43,6 @@ void find_spans(PictureLevel& l) {
   }
 }
 
-/// Deals the columns of a row out to its halves, each times `scale`.
-template <class T>
-void split_row(const T* from, int width, float scale, SplitRow to) {
-  for (int i = 0; i < width / 2; ++i) {
-    to.even[i] = static_cast<float>(from[2 * i]) * scale;
-    to.odd[i] = static_cast<float>(from[2 * i + 1]) * scale;
-  }
-  if (width % 2 != 0) to.even[width / 2] = static_cast<float>(from[width - 1]) * scale;
-}
-
 /// Copies a row of samples as what is no evidence.
 void copy_unknown(const std::uint16_t* from, std::size_t count, std::uint16_t* to) {
   for (std::size_t x = 0; x < count; ++x) to[x] = static_cast<std::uint16_t>(from[x] & 0xFFFEU);

@@ -78,6 +78,16 @@ class SplitPlane {
   AlignedFloats values_;
 };
 
+/// Deals the columns of a row out to its halves, each times `scale`.
+template <class T>
+void split_row(const T* from, int width, float scale, SplitRow to) {
+  for (int i = 0; i < width / 2; ++i) {
+    to.even[i] = static_cast<float>(from[2 * i]) * scale;
+    to.odd[i] = static_cast<float>(from[2 * i + 1]) * scale;
+  }
+  if (width % 2 != 0) to.even[width / 2] = static_cast<float>(from[width - 1]) * scale;
+}
+
 /// Column -1 becomes column 0, and column `width` the last one: what a derivative sees beyond the picture.
 inline void replicate_ends(SplitRow row, int width) {
   row.odd[-1] = row.even[0];

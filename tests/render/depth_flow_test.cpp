@@ -175,6 +175,23 @@ TEST_P(DepthShares, AreTheSameAtAnyNumberOfThreads) {
   }
 }
 
+// What is believed is this picture's, in this picture's size.
+TEST_P(DepthShares, SayWhatIsBelievedOfThem) {
+  Scene scene;
+  ASSERT_THAT(scene.set(stage_.rig, stage_.scene), IsOk());
+  for (const double share : {0.5, 1.0}) {
+    const std::unique_ptr<ViewRenderer> renderer = make("floating");
+    RendererOptions options = sharing(share);
+    options.output = RenderOutput::Confidence;
+    for (const int width : {64, 320, 160}) {
+      const View view = view_at(6, 10, small_camera(width, width * 3 / 4));
+      const Result<RenderedView> shown = renderer->render(scene, view, options);
+      ASSERT_THAT(shown, IsOk());
+      EXPECT_EQ(download(*shown), rendered(stage_, view, "floating", options)) << share << ", " << width;
+    }
+  }
+}
+
 TEST_P(DepthShares, WorkAtASmallerSizeOfFields) {
   RendererOptions half = sharing(0.5);
   half.flow.shrink = 2;
