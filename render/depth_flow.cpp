@@ -226,10 +226,8 @@ Result<void> DepthFlow::estimate(const ProjectedImages& images, const Parallaxes
   for (int y = 0; y < height_; ++y) {
     const ConstSplitRow from = finest.e.row(y), inside = finest.inside.row(y);
     float* to = e_.data() + static_cast<std::size_t>(y) * width;
-    for (int x = 0; x < width_; ++x) {
-      const bool odd = x % 2 != 0;
-      to[x] = (odd ? from.odd : from.even)[x / 2] * (odd ? inside.odd : inside.even)[x / 2];
-    }
+    for (int i = 0; i < (width_ + 1) / 2; ++i) to[2 * i] = from.even[i] * inside.even[i];
+    for (int i = 0; i < width_ / 2; ++i) to[2 * i + 1] = from.odd[i] * inside.odd[i];
   }
   if (interruption != nullptr && interruption->given_up()) return given_up();
   judge(images, parallaxes);
