@@ -22,21 +22,30 @@ json described(const render::FlowOptions& options) {
 }
 
 json described(const render::RendererOptions& options) {
-  const auto& [cameras, soft_radius, flow, positions, band_limit, nearest, farthest, uncertainty, motion_blur,
-               depth_share, field_memory, fill_hidden, sharp, soft_outlines, threads, back_end, background,
+  const auto& [cameras, soft_radius, flow, positions, alignment, band_limit, nearest, farthest, uncertainty,
+               motion_blur, field_memory, fill_hidden, sharp, soft_outlines, threads, back_end, background,
                output, shown_camera, towards_camera, given_up] = options;
   static_cast<void>(threads);      // pictures do not depend on it,
   static_cast<void>(fill_hidden);  // no film is without it,
   static_cast<void>(given_up);     // and those that are given up are in no film
-  return {cameras,         soft_radius,
-          described(flow), static_cast<int>(positions),
-          band_limit,      nearest,
-          farthest,        uncertainty,
-          motion_blur,     depth_share,
-          field_memory,    sharp,
-          soft_outlines,   static_cast<int>(back_end),
-          background,      static_cast<int>(output),
-          shown_camera,    towards_camera};
+  return {cameras,
+          soft_radius,
+          described(flow),
+          static_cast<int>(positions),
+          static_cast<int>(alignment),
+          band_limit,
+          nearest,
+          farthest,
+          uncertainty,
+          motion_blur,
+          field_memory,
+          sharp,
+          soft_outlines,
+          static_cast<int>(back_end),
+          background,
+          static_cast<int>(output),
+          shown_camera,
+          towards_camera};
 }
 
 json described(const FilmOptions& options) {

@@ -1,34 +1,25 @@
 #include "render/depth_flow.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "render/flow/gray_samples.h"
+#include "core/check.h"
+#include "core/parallel.h"
+#include "render/flow/variational_preset.h"
 
 namespace floatstage::render {
 namespace {
 
-constexpr int kLeastSide = 20;  // px of the coarsest level, as the variational flow's
-constexpr int kFinestWarps = 2, kMostWarps = 8, kFinestSweeps = 5, kMostDoublings = 2;
 // Of the smoothness against all pairs' data: chosen on the light field, temple, sparse ring, dino, green
 // dome, studio (with 4 px of calibration error, too) and a rendered gym (docs/constants.md).
 constexpr float kStiffness = 12;
 constexpr float kLeastShare = 1e-4F;  // pairs that count less are left out
-constexpr float kUsualResidual = 10;  // 8-bit steps, mean over a neighbourhood: believed half
-constexpr int kNeighborhood = 2;      // px to each side
-constexpr int kAcross = 2 * kNeighborhood + 1;
-constexpr int kReturns = 3;  // steps from an image's pixel back to the view's
 
-FlowEnergy energy() {
-  FlowEnergy energy;
-  energy.smooth_epsilon2 = 0.05F;
-  return energy;
-}
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The mean over those of the four finer pixels that are inside.
 void halve(const SplitPlane& fine, const SplitPlane& inside, SplitPlane& coarse, std::vector<float>& row) {
   const int width = coarse.width();
-  row.resize(static_cast<std::size_t>(width));
+  row.resize(at(width));
   for (int y = 0; y < coarse.height(); ++y) {
     const int top = 2 * y, bottom = std::min(top + 1, fine.height() - 1);
     const float once = bottom > top ? 1.F : 0.F;  // the last of an odd number of rows counts once
@@ -37,7 +28,7 @@ void halve(const SplitPlane& fine, const SplitPlane& inside, SplitPlane& coarse,
     for (int x = 0; x < width; ++x) {
       const float sum = (a.even[x] + a.odd[x]) + once * (b.even[x] + b.odd[x]),
                   count = (in.even[x] + in.odd[x]) + once * (in_below.even[x] + in_below.odd[x]);
-      row[static_cast<std::size_t>(x)] = count > 0 ? sum / count : 0.F;
+      row[at(x)] = count > 0 ? sum / count : 0.F;
     }
     split_row(row.data(), width, 1, coarse.row(y));
   }
@@ -45,209 +36,146 @@ void halve(const SplitPlane& fine, const SplitPlane& inside, SplitPlane& coarse,
 
 }  // namespace
 
-void DepthFlow::lay_out(const ProjectedImages& images, const Parallaxes& parallaxes, int levels) {
-  const std::size_t count = images.gray.size();
-  pyramids_.resize(std::max(pyramids_.size(), count));
-  PyramidOptions options;
-  options.stiffness = kStiffness;
-  for (std::size_t i = 0; i < count; ++i)
-    pyramids_[i].build({width_, height_, images.gray[i].data(), images.state[i].data()}, levels, options);
+void DepthFlow::find_pairs(const Parallaxes& parallaxes) {
   pairs_.clear();
   float all = 0;
-  for (std::size_t i = 0; i < count; ++i)
-    for (std::size_t j = i + 1; j < count; ++j) {
+  for (std::size_t i = 0; i < parallaxes.share.size(); ++i)
+    for (std::size_t j = i + 1; j < parallaxes.share.size(); ++j) {
       const float both = parallaxes.share[i] * parallaxes.share[j];
       if (both < kLeastShare) continue;
       pairs_.push_back({i, j, both});
       all += both;
     }
   for (DepthPairShare& pair : pairs_) pair.share /= all;
-  levels_.resize(std::max(levels_.size(), static_cast<std::size_t>(levels)));
+}
+
+// Where there is something, and how stiff it is: as all pictures say.
+void DepthFlow::lay_out_surface(int l) {
+  Level& level = levels_[at(l)];
+  const std::size_t count = level.pictures.size();
+  const PictureLevel& first = *level.pictures[0];
+  level.inside.resize(first.width, first.height);
+  level.stiffness.resize(first.width, first.height);
+  std::vector<float>& row = rows_[0];
+  row.resize(at(first.width));
+  const float even = 1 / static_cast<float>(count);
+  for (int y = 0; y < first.height; ++y) {
+    const std::uint8_t* zone = first.zone.data() + first.at(0, y);
+    for (int x = 0; x < first.width; ++x) row[at(x)] = zone[x] == PictureLevel::kDomain ? 1.F : 0.F;
+    split_row(row.data(), first.width, 1, level.inside.row(y));
+    const SplitRow out = level.stiffness.row(y);
+    for (int i = 0; i < level.stiffness.whole_row().end; ++i) {
+      float sum_even = 0, sum_odd = 0;
+      for (const PictureLevel* picture : level.pictures) {
+        const ConstSplitRow from = picture->stiffness.row(y);
+        sum_even += from.even[i];
+        sum_odd += from.odd[i];
+      }
+      out.even[i] = even * sum_even;
+      out.odd[i] = even * sum_odd;
+    }
+  }
+}
+
+void DepthFlow::lay_out_directions(const Parallaxes& parallaxes, std::size_t image, int levels) {
+  std::vector<float>& row = rows_[image];
   for (int l = 0; l < levels; ++l) {
-    Level& level = levels_[static_cast<std::size_t>(l)];
+    const PictureLevel& picture = *levels_[at(l)].pictures[0];
+    DepthLevel::Direction& to = levels_[at(l)].directions[image];
+    to.x.resize(picture.width, picture.height);
+    to.y.resize(picture.width, picture.height);
+    if (l > 0) {
+      const Level& fine = levels_[at(l - 1)];
+      halve(fine.directions[image].x, fine.inside, to.x, row);
+      halve(fine.directions[image].y, fine.inside, to.y, row);
+      continue;
+    }
+    for (int y = 0; y < picture.height; ++y) {
+      const std::size_t line = picture.at(0, y);
+      split_row(parallaxes.x[image].data() + line, picture.width, 1, to.x.row(y));
+      split_row(parallaxes.y[image].data() + line, picture.width, 1, to.y.row(y));
+    }
+  }
+}
+
+void DepthFlow::lay_out(const ProjectedImages& images, const Parallaxes& parallaxes, int levels,
+                        int threads) {
+  const std::size_t count = images.gray.size();
+  pyramids_.resize(std::max(pyramids_.size(), count));
+  rows_.resize(std::max(rows_.size(), count));
+  levels_.resize(std::max(levels_.size(), at(levels)));
+  PyramidOptions options;
+  options.stiffness = kStiffness;
+  parallel_for(count, threads, [&](std::size_t i) {
+    pyramids_[i].build({images.width, images.height, images.gray[i].data(), images.state[i].data()}, levels,
+                       options);
+  });
+  for (int l = 0; l < levels; ++l) {
+    Level& level = levels_[at(l)];
     level.pictures.resize(count);
     level.directions.resize(std::max(level.directions.size(), count));
     for (std::size_t i = 0; i < count; ++i) level.pictures[i] = &pyramids_[i].level(l);
-    const PictureLevel& first = *level.pictures[0];
-    const int width = first.width, height = first.height;
-    level.inside.resize(width, height);
-    level.stiffness.resize(width, height);
-    row_.resize(static_cast<std::size_t>(width));
-    const float even = 1 / static_cast<float>(count);
-    for (int y = 0; y < height; ++y) {
-      const std::uint8_t* zone = first.zone.data() + first.at(0, y);
-      for (int x = 0; x < width; ++x)
-        row_[static_cast<std::size_t>(x)] = zone[x] == PictureLevel::kDomain ? 1.F : 0.F;
-      split_row(row_.data(), width, 1, level.inside.row(y));
-      const SplitRow out = level.stiffness.row(y);
-      for (int i = 0; i < level.stiffness.whole_row().end; ++i) {
-        float sum_even = 0, sum_odd = 0;
-        for (const PictureLevel* picture : level.pictures) {
-          const ConstSplitRow from = picture->stiffness.row(y);
-          sum_even += from.even[i];
-          sum_odd += from.odd[i];
-        }
-        out.even[i] = even * sum_even;
-        out.odd[i] = even * sum_odd;
-      }
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-      DepthLevel::Direction& to = level.directions[i];
-      to.x.resize(width, height);
-      to.y.resize(width, height);
-      if (l > 0) {
-        const Level& fine = levels_[static_cast<std::size_t>(l - 1)];
-        halve(fine.directions[i].x, fine.inside, to.x, row_);
-        halve(fine.directions[i].y, fine.inside, to.y, row_);
-        continue;
-      }
-      for (int y = 0; y < height; ++y) {
-        const std::size_t line = first.at(0, y);
-        split_row(parallaxes.x[i].data() + line, width, 1, to.x.row(y));
-        split_row(parallaxes.y[i].data() + line, width, 1, to.y.row(y));
-      }
-    }
+    lay_out_surface(l);
   }
+  parallel_for(count, threads, [&](std::size_t i) { lay_out_directions(parallaxes, i, levels); });
 }
 
-void DepthFlow::solve(int levels) {
-  const FlowEnergy e = energy();
-  const FlowKernels& kernels = native_flow_kernels();
-  for (int l = levels - 1; l >= 0; --l) {
-    Level& level = levels_[static_cast<std::size_t>(l)];
-    const PictureLevel& first = *level.pictures[0];
-    if (l + 1 < levels)
-      enlargement_.bilinear(first, levels_[static_cast<std::size_t>(l) + 1].e, level.e);
-    else
-      level.e.reset(first.width, first.height);
-    sweep_.reset(first.width, first.height, kFinestSweeps << std::min(l, kMostDoublings),
-                 level.pictures.size(), pairs_.size());
-    for (int k = 0; k < std::min(kFinestWarps + l, kMostWarps); ++k)
-      sweep_.run(kernels, e, level, pairs_, level.e);
-  }
+DepthSweep::Problem DepthFlow::problem(const SolverOptions& options, int level) {
+  return {&native_flow_kernels(), &options.energy, options.cubic,
+          &levels_[at(level)],    pairs_,          &levels_[at(level)].e};
 }
 
-// How far the images differ along row y, as they are and as they are read: sums over a neighbourhood along
-// the row, and by how much of the pairs.
-void DepthFlow::differ(const ProjectedImages& images, const Parallaxes& parallaxes, int y) {
-  const auto width = static_cast<std::size_t>(width_);
-  float *before = before_.data() + static_cast<std::size_t>((y + kAcross) % kAcross) * width,
-        *after = after_.data() + static_cast<std::size_t>((y + kAcross) % kAcross) * width,
-        *said = said_.data() + static_cast<std::size_t>((y + kAcross) % kAcross) * width;
-  for (float* sum : {before, after, said}) std::fill_n(sum, width, 0.F);
-  if (y < 0 || y >= height_) return;
-  const std::size_t line = static_cast<std::size_t>(y) * width;
-  for (std::vector<float>& apart : apart_) std::fill(apart.begin(), apart.end(), 0.F);
-  float *still = apart_[0].data() + kNeighborhood, *moved = apart_[1].data() + kNeighborhood,
-        *both = apart_[2].data() + kNeighborhood;
-  for (std::size_t i = 0; i < images.gray.size(); ++i) {
-    const float *ux = parallaxes.x[i].data() + line, *uy = parallaxes.y[i].data() + line;
-    const std::uint8_t *gray = images.gray[i].data(), *state = images.state[i].data();
-    for (std::size_t x = 0; x < width; ++x) {
-      own_[i][x] = 0;
-      if (state[line + x] == ProjectedImages::kNoProxy) continue;
-      const float px = static_cast<float>(x) + e_[line + x] * ux[x],
-                  py = static_cast<float>(y) + e_[line + x] * uy[x];
-      read_[i][x] = bilinear_sample(gray, width_, height_, px, py);
-      const int at_x = static_cast<int>(std::floor(px + 0.5F)),
-                at_y = static_cast<int>(std::floor(py + 0.5F));
-      const bool within = at_x >= 0 && at_y >= 0 && at_x < width_ && at_y < height_;
-      own_[i][x] = state[line + x] == ProjectedImages::kOwn && within &&
-                   state[static_cast<std::size_t>(at_y) * width + static_cast<std::size_t>(at_x)] ==
-                       ProjectedImages::kOwn;
-    }
-  }
-  for (const DepthPairShare& pair : pairs_) {
-    const std::uint8_t *a = images.gray[pair.first].data() + line,
-                       *b = images.gray[pair.second].data() + line;
-    const float *read_a = read_[pair.first].data(), *read_b = read_[pair.second].data();
-    const std::uint8_t *own_a = own_[pair.first].data(), *own_b = own_[pair.second].data();
-    for (std::size_t x = 0; x < width; ++x) {
-      if (own_a[x] == 0 || own_b[x] == 0) continue;
-      still[x] += pair.share * static_cast<float>(std::abs(a[x] - b[x]));
-      moved[x] += pair.share * std::abs(read_a[x] - read_b[x]);
-      both[x] += pair.share;
-    }
-  }
-  for (std::ptrdiff_t x = 0; x < width_; ++x) {
-    const auto sum = [x](const float* v) { return (v[x - 2] + v[x - 1]) + v[x] + (v[x + 1] + v[x + 2]); };
-    before[x] = sum(still);
-    after[x] = sum(moved);
-    said[x] = sum(both);
-  }
+// A warp follows the one before it on another thread, a few rows behind.
+void DepthFlow::warp(const SolverOptions& options, int l, int threads) {
+  const PictureLevel& first = *levels_[at(l)].pictures[0];
+  const std::size_t warps = at(options.warps_at(l)), at_once = std::min(sweeps_.size(), warps);
+  FLOATSTAGE_CHECK(warps <= kMostWarps, "a level has no more warps than presets allow");
+  for (std::size_t i = 0; i < at_once; ++i)
+    sweeps_[i].reset(first.width, first.height, options.sweeps_at(l), levels_[at(l)].pictures.size(),
+                     pairs_.size());
+  for (std::size_t k = 0; k < warps; ++k) progress_[k].begin();
+  const DepthSweep::Problem problem = this->problem(options, l);
+  parallel_for(warps, threads, [&](std::size_t k) {
+    sweeps_[k % at_once].run(problem, k > 0 ? &progress_[k - 1] : nullptr, progress_[k]);
+  });
 }
 
-// Displacements are kept as far as images are alike where they lead, and more so than without.
-void DepthFlow::judge(const ProjectedImages& images, const Parallaxes& parallaxes) {
-  const auto width = static_cast<std::size_t>(width_), height = static_cast<std::size_t>(height_);
-  const std::size_t count = images.gray.size();
-  before_.resize(kAcross * width);
-  after_.resize(kAcross * width);
-  for (std::vector<float>& apart : apart_) apart.resize(width + 2 * kNeighborhood);
-  read_.resize(std::max(read_.size(), count));
-  own_.resize(std::max(own_.size(), count));
-  for (std::size_t i = 0; i < count; ++i) {
-    read_[i].resize(width);
-    own_[i].resize(width);
-  }
-  said_.resize(kAcross * width);
-  known_.assign(width * height, 0);
-  for (int y = -kNeighborhood; y < kNeighborhood; ++y) differ(images, parallaxes, y);
-  for (int y = 0; y < height_; ++y) {
-    differ(images, parallaxes, y + kNeighborhood);
-    const std::size_t line = static_cast<std::size_t>(y) * width;
-    for (std::size_t x = 0; x < width; ++x) {
-      float still = 0, moved = 0, said = 0;
-      for (std::size_t k = 0; k < kAcross; ++k) {
-        still += before_[k * width + x];
-        moved += after_[k * width + x];
-        said += said_[k * width + x];
-      }
-      if (said <= 0 || images.state[0][line + x] == ProjectedImages::kNoProxy) continue;
-      known_[line + x] = static_cast<std::uint8_t>(
-          255 * confidence_left(moved, kUsualResidual * said) * confidence_left(moved, still) + 0.5F);
-    }
+void DepthFlow::hand_out() {
+  const Level& finest = levels_[0];
+  const int width = finest.e.width();
+  e_.resize(known_.size());
+  for (int y = 0; y < finest.e.height(); ++y) {
+    float* to = e_.data() + at(y) * at(width);
+    const ConstSplitRow from = finest.e.row(y), inside = finest.inside.row(y);
+    for (int i = 0; i < (width + 1) / 2; ++i) to[2 * i] = from.even[i] * inside.even[i];
+    for (int i = 0; i < width / 2; ++i) to[2 * i + 1] = from.odd[i] * inside.odd[i];
   }
 }
 
 Result<void> DepthFlow::estimate(const ProjectedImages& images, const Parallaxes& parallaxes,
-                                 Interruption* interruption) {
-  width_ = images.width;
-  height_ = images.height;
-  const int levels = pyramid_levels(width_, height_, kLeastSide);
-  lay_out(images, parallaxes, levels);
-  if (interruption != nullptr && interruption->given_up()) return given_up();
-  const auto width = static_cast<std::size_t>(width_);
-  e_.assign(width * static_cast<std::size_t>(height_), 0.F);
-  known_.assign(e_.size(), 0);
-  if (pairs_.empty()) return {};
-  solve(levels);
-  const Level& finest = levels_[0];
-  for (int y = 0; y < height_; ++y) {
-    const ConstSplitRow from = finest.e.row(y), inside = finest.inside.row(y);
-    float* to = e_.data() + static_cast<std::size_t>(y) * width;
-    for (int i = 0; i < (width_ + 1) / 2; ++i) to[2 * i] = from.even[i] * inside.even[i];
-    for (int i = 0; i < width_ / 2; ++i) to[2 * i + 1] = from.odd[i] * inside.odd[i];
+                                 const FlowOptions& flow, int threads, Interruption* interruption) {
+  const Result<VariationalPreset> preset = variational_preset(flow);
+  if (!preset) return forward(preset);
+  const auto ended = [&] { return interruption != nullptr && interruption->given_up(); };
+  const SolverOptions& options = preset->solver;
+  sweeps_.resize(std::max(sweeps_.size(), at(threads > 0 ? threads : default_threads())));
+  find_pairs(parallaxes);
+  const int levels = variational_levels(images.width, images.height, options.finest);
+  lay_out(images, parallaxes, levels, threads);
+  if (ended()) return given_up();
+  for (int l = levels - 1; l >= 0; --l) {
+    Level& level = levels_[at(l)];
+    if (l + 1 < levels)
+      enlargement_.bilinear(*level.pictures[0], levels_[at(l) + 1].e, level.e);
+    else
+      level.e.reset(level.pictures[0]->width, level.pictures[0]->height);
+    if (l >= options.finest && !pairs_.empty()) warp(options, l, threads);
   }
-  if (interruption != nullptr && interruption->given_up()) return given_up();
-  judge(images, parallaxes);
-  fill_.run(width_, height_, 1, known_.data(), e_.data());
+  if (ended()) return given_up();
+  judge_.run(problem(options, 0), threads, known_);
+  hand_out();
+  fill_.run(images.width, images.height, 1, known_.data(), e_.data());
   return {};
-}
-
-DepthFlow::Home DepthFlow::home(const Parallaxes& parallaxes, std::size_t image, int x, int y) const {
-  const auto px = static_cast<float>(x), py = static_cast<float>(y);
-  Home home{0, static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)};
-  float at_x = px, at_y = py;
-  for (int k = 0; k < kReturns; ++k) {
-    const int a = std::clamp(static_cast<int>(at_x + 0.5F), 0, width_ - 1),
-              b = std::clamp(static_cast<int>(at_y + 0.5F), 0, height_ - 1);
-    home.e = bilinear_sample(e_.data(), width_, height_, at_x, at_y);
-    home.at = static_cast<std::size_t>(b) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(a);
-    at_x = px - home.e * parallaxes.x[image][home.at];
-    at_y = py - home.e * parallaxes.y[image][home.at];
-  }
-  return home;
 }
 
 }  // namespace floatstage::render

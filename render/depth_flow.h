@@ -1,11 +1,14 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "render/flow.h"
+#include "render/flow/depth_judge.h"
 #include "render/flow/depth_sweep.h"
 #include "render/flow/enlargement.h"
+#include "render/flow/field_solver.h"
 #include "render/image_fill.h"
 #include "render/interruption.h"
 #include "render/parallaxes.h"
@@ -13,54 +16,52 @@
 
 namespace floatstage::render {
 
-/// One displacement a pixel for all images of a view at once. Where the proxy lacks a depth along the viewing
-/// ray every image stands beside its place by its own parallax, and one number says by how much: e px, so
-/// that image i is to be read at x + e * parallax_i. It is found as a flow is, from coarse to fine, by an
-/// energy of all pairs of images; it is kept as far as it makes them more alike and continued elsewhere. One
-/// unknown instead of 2 n (n - 1); what no depth explains (calibration, light) it cannot say. Deterministic.
-/// One thread at a time; keeps its memory. docs/algorithms/floating-textures.md#one-depth-for-all, ADR 358.
+/// How far the surface lies off the proxy, one number a pixel for all images of a view at once. Where the
+/// proxy lacks a depth along the viewing ray every image stands beside its place by its own parallax, and one
+/// number e says by how much: image i is to be read at x + e * parallax_i. It is found as a flow is, from
+/// coarse to fine, by an energy of all pairs of images; it is kept as far as it makes them more alike and
+/// continued elsewhere. One unknown instead of 2 n (n - 1); what no depth explains (calibration, light) it
+/// cannot say. Deterministic at any thread count. Keeps its memory.
+/// docs/algorithms/floating-textures.md#one-depth-for-all, ADR 358, 359.
 class DepthFlow {
  public:
-  /// `images` and `parallaxes` have one size and at least two images. Cancelled when it was interrupted:
-  /// what is held is nobody's then.
+  /// `images` and `parallaxes` have one size and at least two images; of `options`, those of the variational
+  /// flow count. InvalidArgument for options that it does not have; Cancelled when it was interrupted: what
+  /// is held is nobody's then.
   Result<void> estimate(const ProjectedImages& images, const Parallaxes& parallaxes,
-                        Interruption* interruption = nullptr);
+                        const FlowOptions& options, int threads, Interruption* interruption = nullptr);
 
-  const std::vector<float>& displacement() const { return e_; }         ///< px, width * height
-  const std::vector<std::uint8_t>& believed() const { return known_; }  ///< how far it was, 0…255
-
-  /// What image `image` shows at pixel (x, y) belongs to a pixel of the view, whose displacement is `e` and
-  /// whose place in planes is `at`.
-  struct Home {
-    float e;
-    std::size_t at;
-  };
-  Home home(const Parallaxes& parallaxes, std::size_t image, int x, int y) const;
+  /// Planes of the images' size: e in px, which goes on smoothly off the proxy, and how far it was believed,
+  /// 0…255.
+  const std::vector<float>& displacement() const { return e_; }
+  std::vector<float>& displacement() { return e_; }  ///< may be changed
+  const std::vector<std::uint8_t>& believed() const { return known_; }
 
  private:
   struct Level : DepthLevel {
     SplitPlane e;
   };
-  void lay_out(const ProjectedImages& images, const Parallaxes& parallaxes, int levels);
-  void solve(int levels);
-  void judge(const ProjectedImages& images, const Parallaxes& parallaxes);
-  void differ(const ProjectedImages& images, const Parallaxes& parallaxes, int y);
+  void find_pairs(const Parallaxes& parallaxes);
+  void lay_out(const ProjectedImages& images, const Parallaxes& parallaxes, int levels, int threads);
+  void lay_out_surface(int level);
+  void lay_out_directions(const Parallaxes& parallaxes, std::size_t image, int levels);
+  DepthSweep::Problem problem(const SolverOptions& options, int level);
+  void warp(const SolverOptions& options, int level, int threads);
+  void hand_out();
 
-  int width_ = 0, height_ = 0;
+  static constexpr std::size_t kMostWarps = 8;  // of a level
+
   std::vector<PicturePyramid> pyramids_;
   std::vector<Level> levels_;
   std::vector<DepthPairShare> pairs_;
-  DepthSweep sweep_;
+  std::vector<std::vector<float>> rows_;  // scratch, one an image
+  std::vector<DepthSweep> sweeps_;        // one a thread
+  std::array<RowProgress, kMostWarps> progress_;
   Enlargement enlargement_;
-  std::vector<float> e_, row_;
-  // Of rows, as sums along them: how far images are from one another as they are, as they are moved, and what
-  // share of the pairs says so.
-  std::vector<float> before_, after_, said_;
-  std::vector<float> apart_[3];
-  std::vector<std::vector<float>> read_;
-  std::vector<std::vector<std::uint8_t>> own_;
-  std::vector<std::uint8_t> known_;
+  DepthJudge judge_;
   PictureFill fill_;
+  std::vector<float> e_;
+  std::vector<std::uint8_t> known_;
 };
 
 }  // namespace floatstage::render

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "render/depth_flow.h"
+#include "render/flow.h"
 #include "render/flow_trust.h"
 #include "render/image_fill.h"
 
@@ -28,12 +28,6 @@ class PairwiseFlows {
   Result<void> estimate(const ProjectedImages& images, const std::vector<bool>& wanted,
                         const FlowOptions& options, int threads, Interruption* interruption = nullptr);
 
-  /// The same fields, each the mean of what one depth a pixel says for all images (`share`, above 0) and of
-  /// what the pairs say at half the size; with share 1 of depth alone. `parallaxes` has the images' size.
-  Result<void> estimate_with_depth(const ProjectedImages& images, const Parallaxes& parallaxes, double share,
-                                   const std::vector<bool>& wanted, const FlowOptions& options, int threads,
-                                   Interruption* interruption = nullptr);
-
   std::span<const FlowField> fields() const { return {fields_.data(), pairs_}; }
   std::span<FlowField> fields() { return {fields_.data(), pairs_}; }  ///< may be changed
 
@@ -49,9 +43,6 @@ class PairwiseFlows {
     FlowTrust trust;
     PictureFill fill;
   };
-  void mix(const Parallaxes& parallaxes, std::size_t image, int row, float share,
-           const std::vector<bool>& wanted);
-  void mix_confidence(const ProjectedImages& images, float share, const std::vector<bool>& wanted);
   void make_dependable(const ProjectedImages& images, std::size_t index, Worker& worker);
 
   std::optional<FlowOptions> options_;
@@ -64,9 +55,6 @@ class PairwiseFlows {
   std::vector<std::vector<std::uint8_t>> confidence_;
   bool keeps_confidence_ = false;
   std::vector<Worker> workers_;
-  ProjectedImages half_;
-  DepthFlow depth_;
-  std::vector<FlowField> mixed_;
 };
 
 }  // namespace floatstage::render

@@ -15,6 +15,9 @@ struct Parallaxes {
   int width = 0, height = 0;
   using Planes = ShortList<std::vector<float>, kMostListed>;
   Planes x, y;
+  /// How far the surface lies off the proxy, along its normal and in units of the world, where they stand so:
+  /// what displacements of different views of one place are compared by.
+  std::vector<float> offset;
   /// How much each image counts, by its fade, with sum 1; a pair by the product. So one that comes or goes
   /// does so with weight 0.
   ShortList<float, kMostListed> share;

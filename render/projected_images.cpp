@@ -58,35 +58,4 @@ ProjectedImages projected_images(const std::vector<std::uint8_t>& rgba, int widt
   return out;
 }
 
-void halve_images(const ProjectedImages& full, ProjectedImages& half) {
-  half.width = (full.width + 1) / 2;
-  half.height = (full.height + 1) / 2;
-  half.gray.resize(full.gray.size());
-  half.state.resize(full.gray.size());
-  const auto width = static_cast<std::size_t>(full.width);
-  for (std::size_t image = 0; image < full.gray.size(); ++image) {
-    std::vector<std::uint8_t>&gray = half.gray[image], &state = half.state[image];
-    gray.assign(static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height), 0);
-    state.assign(gray.size(), ProjectedImages::kNoProxy);
-    const std::uint8_t *from = full.gray[image].data(), *seen = full.state[image].data();
-    std::size_t i = 0;
-    for (std::size_t y = 0; y < static_cast<std::size_t>(full.height); y += 2)
-      for (std::size_t x = 0; x < width; x += 2, ++i) {
-        unsigned sum = 0, count = 0;
-        std::uint8_t least = 255;
-        for (std::size_t v = y; v < std::min(y + 2, static_cast<std::size_t>(full.height)); ++v)
-          for (std::size_t u = x; u < std::min(x + 2, width); ++u) {
-            const std::uint8_t own = seen[v * width + u];
-            if (own == ProjectedImages::kNoProxy) continue;
-            sum += from[v * width + u];
-            least = std::min(least, own);
-            ++count;
-          }
-        if (count == 0) continue;
-        gray[i] = static_cast<std::uint8_t>((sum + count / 2) / count);
-        state[i] = state_of(least);
-      }
-  }
-}
-
 }  // namespace floatstage::render

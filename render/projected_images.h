@@ -23,7 +23,4 @@ struct ProjectedImages {
 ProjectedImages projected_images(const std::vector<std::uint8_t>& rgba, int width, int height, int layers,
                                  int shrink);
 
-/// The same at half the size.
-void halve_images(const ProjectedImages& full, ProjectedImages& half);
-
 }  // namespace floatstage::render

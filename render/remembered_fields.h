@@ -30,4 +30,9 @@ struct RememberedField {
 std::vector<RememberedField> remembered_fields(const Scene::Impl& scene, const FieldsOfPicture& now,
                                                const FieldsOfPicture& before, double share);
 
+/// The share of what was found for all photographs at once, in the picture before, that stays: limited in the
+/// same way, by the mean angle between the cameras of `choice`.
+double remembered_share(const Scene::Impl& scene, const Eigen::Vector3d& eye, const CameraChoice& choice,
+                        const Eigen::Vector3d& eye_before, double share);
+
 }  // namespace floatstage::render

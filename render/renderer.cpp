@@ -73,6 +73,11 @@ const std::vector<std::string>& position_names() {
   return names;
 }
 
+const std::vector<std::string>& alignment_names() {
+  static const std::vector<std::string> names = {"flow", "depth", "auto"};
+  return names;
+}
+
 Result<void> check(const RendererOptions& o) {
   auto bad = [](const auto&... parts) { return fail(ErrorCode::InvalidArgument, text(parts...)); };
   if (o.cameras < 1 || o.cameras > kMostListed)
@@ -92,8 +97,6 @@ Result<void> check(const RendererOptions& o) {
                kMostUncertain);
   if (!(o.motion_blur >= 0) || o.motion_blur > kMostBlur)
     return bad("a motion blur of ", o.motion_blur, " is not between 0 (none) and ", kMostBlur);
-  if (!(o.depth_share >= 0) || o.depth_share > 1)
-    return bad("a depth share of ", o.depth_share, " is not between 0 (fields alone) and 1 (depth alone)");
   if (!(o.field_memory >= 0) || o.field_memory > kMostMemory)
     return bad("a field memory of ", o.field_memory, " is not between 0 (none) and ", kMostMemory);
   if (o.threads < 0) return bad(o.threads, " threads; 0 means one per core");

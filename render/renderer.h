@@ -49,11 +49,22 @@ enum class Positions {
 };
 const std::vector<std::string>& position_names();  ///< "parallax", "mean": in the enum's order
 
+/// What "floating" finds between photographs to bring them together in the view.
+enum class Alignment {
+  Flow,   ///< fields between each two of them, two numbers a pixel (Eq. 11.1-11.3)
+  Depth,  ///< one depth a pixel for all of them at once: how far the surface lies off the proxy
+  Auto,   ///< the faster: Depth, but Flow where a GPU finds it
+};
+const std::vector<std::string>& alignment_names();  ///< "flow", "depth", "auto": in the enum's order
+
 struct RendererOptions {
   int cameras = 3;                            ///< k: photographs blended per view; more if as near
   double soft_radius = 8;                     ///< px: r of Eq. 11.5
   FlowOptions flow;                           ///< floating only
   Positions positions = Positions::Parallax;  ///< floating only
+  /// floating only. Depth is found on the CPU, by the variational flow's energy, and needs
+  /// Positions::Parallax: with others, fields are found.
+  Alignment alignment = Alignment::Flow;
   double band_limit = 0;  ///< band-limited: px of the photographs, how wide its filter is; 0: as wide as
                           ///< the depth range asks for (Eq. 9.13)
   double nearest = 0, farthest = 0;  ///< band-limited: metres before the cameras; 0: the proxy's depth, give
@@ -62,12 +73,9 @@ struct RendererOptions {
                                 ///< proxy, as a share of the diagonal of the proxy's box
   double motion_blur = 0;  ///< filtered: share of the pictures before that stays in each, 0: none; while the
                            ///< view rests the picture tends to the one without
-  /// floating: how much of where images are read is what one depth a pixel says, found for all photographs at
-  /// once; the rest is what fields between each two of them say, at half the size. 0: fields alone, at full
-  /// size; 1: depth alone. Variational flow and Positions::Parallax only; always found on the CPU.
-  double depth_share = 0;
-  double field_memory = 0;  ///< floating: share of the fields of the picture before that stays in each
-                            ///< picture's, 0: none; while the scene is the same, as fields are the surface's
+  double field_memory =
+      0;  ///< floating: share of the fields, or depths, of the picture before that stays in
+          ///< each picture's, 0: none; while the scene is the same, as they are the surface's
   bool fill_hidden = true;  ///< floating: what a photograph does not see of the proxy shows the strongest of
                             ///< those that do while flow is sought; false: what it shows there instead
                             ///< (thesis Fig. 58b: for comparison)

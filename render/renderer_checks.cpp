@@ -13,9 +13,10 @@ Result<void> check_render(const Scene& scene, const View& view, const RendererOp
   return {};
 }
 
-bool finds_depth(const RendererOptions& options) {
-  return options.depth_share > 0 && options.positions == Positions::Parallax &&
-         options.flow.backend == "variational";
+bool finds_depth(const RendererOptions& options, bool on_gpu) {
+  const bool wanted =
+      options.alignment == Alignment::Depth || (options.alignment == Alignment::Auto && !on_gpu);
+  return wanted && options.positions == Positions::Parallax && options.flow.backend == "variational";
 }
 
 ShortList<int, kMostListed> cameras_of(const Scene& scene, const CameraChoice& choice) {

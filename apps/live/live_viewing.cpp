@@ -189,6 +189,7 @@ void add_viewing_flags(CLI::App& verb, LiveViewing& o) {
   verb.add_option("--screenshot", o.screenshot,
                   "Write the window to this PNG once a few scenes were shown, then end")
       ->group(kGroupWindow);
+  add_alignment(verb, o.alignment);
   std::string levels = "Quality to begin with:";
   for (std::size_t i = 0; i < studio::live_qualities().size(); ++i)
     levels += text("\n  ", i, " ", describe(studio::live_qualities()[i]));
@@ -214,6 +215,7 @@ Result<void> settle(LiveViewing& o) {
   RendererFlags flags;
   flags.background = o.background;
   flags.back_end = o.back_end;
+  flags.alignment = o.alignment;
   flags.options.cameras = o.blend;
   const Result<render::RendererOptions> renderer = renderer_options(flags);
   if (!renderer) return forward(renderer);

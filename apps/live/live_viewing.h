@@ -19,7 +19,7 @@ namespace floatstage::apps {
 /// walks around the stage.
 struct LiveViewing {
   std::filesystem::path json, snapshots, path_file, screenshot;
-  std::string background = "000000", back_end = "auto";
+  std::string background = "000000", back_end = "auto", alignment = "auto";
   Size size{0, 0};  ///< 0: as the view or the window has it
   bool headless = false, show_cameras = false;
   pipeline::OrbitOptions orbit{.seconds = 20};

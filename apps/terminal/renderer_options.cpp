@@ -98,16 +98,23 @@ void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
           ->check(one_of({"ultrafast", "fast", "medium", "quality"})),
       verb.add_option("--flow-finest-scale", o.flow.finest_scale,
                       "Pyramid level at which the flow stops; 0: full resolution"),
-      verb.add_option(
-              "--depth-share", o.depth_share,
-              "floating: how much of where photographs are read is what one depth a pixel explains for all "
-              "of them; 0: fields between each two alone, 1: depth alone")
-          ->type_name("SHARE"),
+      add_alignment(verb, flags.alignment),
       verb.add_option("--positions", flags.positions,
                       "Where floating puts what photographs show at different places: parallax (where it is "
                       "whatever depth the hull misses there) or mean (Eq. 11.3)")
           ->check(one_of(render::position_names()))};
   for (CLI::Option* option : tuning) option->capture_default_str()->group(kGroupTuning);
+}
+
+CLI::Option* add_alignment(CLI::App& verb, std::string& alignment) {
+  return verb
+      .add_option("--alignment", alignment,
+                  "What floating finds to bring photographs together: flow (fields between each two), depth "
+                  "(how far the surface lies off the hull, one number a pixel: faster, and sharper where "
+                  "calibration is right) or auto (depth, but flow on a GPU)")
+      ->check(one_of(render::alignment_names()))
+      ->capture_default_str()
+      ->group(kGroupTuning);
 }
 
 Result<render::RendererOptions> renderer_options(const RendererFlags& flags) {
@@ -121,6 +128,7 @@ Result<render::RendererOptions> renderer_options(const RendererFlags& flags) {
     return fail(ErrorCode::InvalidArgument, text("--show '", flags.show, "' is unknown; see --help"));
   options.output = static_cast<render::RenderOutput>(shown);
   options.positions = static_cast<render::Positions>(place_of(render::position_names(), flags.positions));
+  options.alignment = static_cast<render::Alignment>(place_of(render::alignment_names(), flags.alignment));
   if (!flags.depth_range.empty()) {
     const Result<std::pair<double, double>> range = parse_range(flags.depth_range);
     if (!range) return forward(range);

@@ -16,11 +16,13 @@ struct RendererFlags {
   bool balance = false;
   std::string depth_range;                ///< NEAR:FAR
   std::string show_camera, show_towards;  ///< serials; empty: the renderer's own choice
-  std::string show = "color", positions = "parallax", background = "000000", back_end = "auto";
+  std::string show = "color", positions = "parallax", alignment = "flow", background = "000000",
+              back_end = "auto";
 };
 
 void add_renderer_flags(CLI::App& verb, RendererFlags& flags);
-/// --renderer alone, for verbs that choose the rest by themselves.
+/// --alignment, --renderer alone, for verbs that choose the rest by themselves.
+CLI::Option* add_alignment(CLI::App& verb, std::string& alignment);
 void add_back_end_flag(CLI::App& verb, std::string& back_end);
 Result<render::RendererOptions> renderer_options(const RendererFlags& flags);
 

@@ -117,8 +117,22 @@ class FloatedIntermediate {
                          count_);
   }
 
+  // What image i shows where it is read, image j shows where that one is.
+  std::array<float, 2> apart_by_depth(std::size_t i, std::size_t j, std::size_t pixel) const {
+    return {row_.from_x[j][pixel] - row_.from_x[i][pixel], row_.from_y[j][pixel] - row_.from_y[i][pixel]};
+  }
+
   void field(float* rgb) const {
     if (shown_.camera < 0 || shown_.towards < 0) return;
+    if (row_.believed != nullptr) {
+      const auto from = static_cast<std::size_t>(shown_.camera),
+                 to = static_cast<std::size_t>(shown_.towards);
+      for (std::size_t k = 0; k < pixels_; ++k) {
+        const auto [u, v] = apart_by_depth(from, to, k);
+        put(flow_color(u, v), k, rgb);
+      }
+      return;
+    }
     const FlowField& field = flows_.fields()[shown_pair()];
     const auto scale = static_cast<float>(shrink_);
     for (std::size_t k = 0; k < pixels_; ++k) {
@@ -129,6 +143,12 @@ class FloatedIntermediate {
 
   void confidence(float* rgb) const {
     if (shown_.camera < 0 || shown_.towards < 0) return;
+    if (row_.believed != nullptr) {
+      const std::uint8_t* line = row_.believed + static_cast<std::ptrdiff_t>(y_ / shrink_) * row_.width;
+      for (std::size_t k = 0; k < pixels_; ++k)
+        std::fill_n(rgb + 3 * k, 3, static_cast<float>(line[static_cast<int>(x(k)) / shrink_]));
+      return;
+    }
     const std::vector<std::uint8_t>& known = flows_.confidence()[shown_pair()];
     const FlowField& field = flows_.fields()[shown_pair()];
     for (std::size_t k = 0; k < pixels_; ++k)
@@ -159,6 +179,10 @@ class FloatedIntermediate {
   // camera that pulls nothing are not sought.
   float apart(std::size_t i, std::size_t j, std::size_t pixel) const {
     if (i == j) return 0;
+    if (row_.believed != nullptr) {
+      const auto [u, v] = apart_by_depth(i, j, pixel);
+      return std::hypot(u, v);
+    }
     float longest = 0;
     for (const FlowPair& pair : {FlowPair{i, j}, FlowPair{j, i}}) {
       const FlowField& field = flows_.fields()[flow_index_of(pair, count_)];

@@ -14,6 +14,10 @@ struct FloatedRow {
   std::array<float*, kMostListed> rgba{}, used{};      ///< warped colours, and how much they count
   std::array<float*, kMostListed> from_x{}, from_y{};  ///< where in the image they come from, px
   const float* mean = nullptr;                         ///< the view: three floats a pixel
+  /// By depth (Alignment::Depth), how far it is believed: ProjectedImages' plane of this width; null: by
+  /// fields.
+  const std::uint8_t* believed = nullptr;
+  int width = 0;
 };
 
 /// Whether it is float_intermediate() that draws it.

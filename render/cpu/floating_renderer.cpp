@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/cpu/common_displacement.h"
 #include "render/cpu/field_memory.h"
 #include "render/cpu/floating_inspection.h"
 #include "render/cpu/inspection.h"
-#include "render/cpu/parallax_planes.h"
 #include "render/cpu/position_shares.h"
 #include "render/cpu/renderers.h"
 #include "render/cpu/warp_kernels.h"
 #include "render/cpu/weight_kernels.h"
+#include "render/flow/gray_samples.h"
 #include "render/pairwise_flows.h"
 #include "render/renderer_checks.h"
 
@@ -37,19 +38,24 @@ class FloatingRenderer : public ViewRenderer {
         draw_intermediate(projection_, scene, view, options, picture_);
       } else {
         centers_ = centers_in_view(projection_);
-        if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
+        by_depth_ = finds_depth(options) && count() > 1;
+        if (Result<void> ok = by_depth_ ? find_displacement(scene, options) : estimate_flows(options); !ok)
+          return forward(ok);
         shown_ = shown_slots(scene, projection_.choice(), options);
-        if (remembers)
+        if (remembers && !by_depth_)
           memory_.mix(scene, projection_, pulls_, options.flow.shrink, options.field_memory,
                       pairwise_.fields());
         projection_.for_rows([&](int y, RowMemory& rows) { float_row(y, options, rows); });
       }
       if (Result<void> ok = picture_.soften(projection_, options); !ok) return forward(ok);
-      if (remembers) memory_.keep(scene, projection_, pulls_, options.flow.shrink, pairwise_.fields());
+      if (remembers) remember(scene, options);
     }
     return rendered_view(scene, view, projection_, picture_);
   }
-  void reset_history() override { memory_.forget(); }
+  void reset_history() override {
+    memory_.forget();
+    common_.forget();
+  }
 
  private:
   // Of one row; lists of an image each.
@@ -60,7 +66,10 @@ class FloatingRenderer : public ViewRenderer {
 
   std::size_t count() const { return projection_.choice().chosen; }
   Result<void> estimate_flows(const RendererOptions& options);
-  void find_parallaxes(int shrink);
+  CommonDisplacement::Picture seen(const Scene& scene) const;
+  Result<void> find_displacement(const Scene& scene, const RendererOptions& options);
+  void remember(const Scene& scene, const RendererOptions& options);
+  void place_images(int y, const RendererOptions& options, Lists& lists, RowMemory& memory);
   void let_filled_in(std::size_t pixels, Lists& lists) const;
   void warp_image(std::size_t image, int y, const RendererOptions& options, Lists& lists, RowMemory& memory);
   void float_image(std::size_t image, int y, Lists& lists, RowMemory& memory);
@@ -70,13 +79,12 @@ class FloatingRenderer : public ViewRenderer {
   Picture picture_;
   ProjectedImages images_;
   std::vector<bool> pulls_;
-  ParallaxPlanes parallax_planes_;
-  Parallaxes parallaxes_;
   PairwiseFlows pairwise_;
   FieldMemory memory_;
+  CommonDisplacement common_;
   CentersInView centers_{};
   ShownSlots shown_;
-  bool parallax_ = true;
+  bool parallax_ = true, by_depth_ = false;
 };
 
 Result<void> FloatingRenderer::estimate_flows(const RendererOptions& options) {
@@ -86,21 +94,27 @@ Result<void> FloatingRenderer::estimate_flows(const RendererOptions& options) {
   if (std::find(pulls_.begin(), pulls_.end(), true) == pulls_.end()) pulls_.assign(count(), true);
   projection_.gray_images(options.flow.shrink, images_);
   pairwise_.keep_confidence(options.output == RenderOutput::Confidence);
-  Interruption* interruption = &projection_.interruption();
-  if (!finds_depth(options))
-    return pairwise_.estimate(images_, pulls_, options.flow, options.threads, interruption);
-  find_parallaxes(options.flow.shrink);
-  return pairwise_.estimate_with_depth(images_, parallaxes_, options.depth_share, pulls_, options.flow,
-                                       options.threads, interruption);
+  return pairwise_.estimate(images_, pulls_, options.flow, options.threads, &projection_.interruption());
 }
 
-void FloatingRenderer::find_parallaxes(int shrink) {
+CommonDisplacement::Picture FloatingRenderer::seen(const Scene& scene) const {
+  return {&scene.impl(),
+          scene.impl().on_cpu,
+          projection_.rays(),
+          centers_,
+          &projection_.choice(),
+          projection_.inverse_z(),
+          projection_.window().width,
+          projection_.window().height,
+          projection_.tolerance(),
+          &images_};
+}
+
+Result<void> FloatingRenderer::find_displacement(const Scene& scene, const RendererOptions& options) {
+  projection_.gray_images(options.flow.shrink, images_);
   const Covered& covered = projection_.covered();
-  ShortList<float, kMostListed> fade;
-  for (std::size_t i = 0; i < count(); ++i) fade.push_back(projection_.choice().fade[i]);
-  parallax_planes_.run(
-      {projection_.rays(), centers_, fade, projection_.window().width, projection_.window().height, shrink,
-       projection_.threads()},
+  return common_.run(
+      seen(scene),
       [&](int y, SurfaceRow& out) {
         const Covered::Row& row = covered.rows[static_cast<std::size_t>(y)];
         out.count = row.count;
@@ -109,7 +123,12 @@ void FloatingRenderer::find_parallaxes(int shrink) {
         std::copy_n(covered.inverse_z.data() + row.list, row.count, out.inverse_z.data());
         projection_.write_normals(y, out.nx.data(), out.ny.data(), out.nz.data());
       },
-      parallaxes_);
+      options, &projection_.interruption());
+}
+
+void FloatingRenderer::remember(const Scene& scene, const RendererOptions& options) {
+  if (by_depth_) return common_.remember(seen(scene), options);
+  memory_.keep(scene, projection_, pulls_, options.flow.shrink, pairwise_.fields());
 }
 
 // Where the chosen cameras see little of what arrives, the images of those that do not see it count, which
@@ -151,6 +170,25 @@ void FloatingRenderer::warp_image(std::size_t image, int y, const RendererOption
   if (fields.count > 0) return invert_warps(fields, warped);
   std::copy_n(warped.x, pixels, warped.from_x);
   std::fill_n(warped.from_y, pixels, warped.y);
+}
+
+// Where all images are read, by the one displacement that they share.
+void FloatingRenderer::place_images(int y, const RendererOptions& options, Lists& lists, RowMemory& memory) {
+  const Covered::Row& row = projection_.covered().rows[static_cast<std::size_t>(y)];
+  const auto pixels = static_cast<std::size_t>(row.count);
+  const float* x = projection_.covered().x.data() + row.list;
+  const auto shrink = static_cast<float>(options.flow.shrink);
+  const float at_y = (static_cast<float>(y) + 0.5F) / shrink - 0.5F;
+  float* displacement = memory.floats(pixels);
+  for (std::size_t k = 0; k < pixels; ++k)
+    displacement[k] = shrink * bilinear_sample(common_.displacement().data(), images_.width, images_.height,
+                                               x[k] / shrink - 0.5F, at_y);
+  for (std::size_t i = 0; i < count(); ++i) {
+    lists.from_x[i] = memory.floats(pixels);
+    lists.from_y[i] = memory.floats(pixels);
+  }
+  place_at_depth(projection_.rays(), centers_, lists.share.row, {common_.share().data(), count()},
+                 displacement, lists.from_x, lists.from_y);
 }
 
 void FloatingRenderer::float_image(std::size_t image, int y, Lists& lists, RowMemory& memory) {
@@ -199,8 +237,9 @@ void FloatingRenderer::float_row(int y, const RendererOptions& options, RowMemor
   const auto pixels = static_cast<std::size_t>(row.count);
   Lists lists;
   lists.share = position_shares(projection_, y, parallax_ ? &centers_ : nullptr, memory);
-  for (std::size_t i = 0; i < count(); ++i) warp_image(i, y, options, lists, memory);
-  if (parallax_ && count() > 1)
+  if (by_depth_) place_images(y, options, lists, memory);
+  for (std::size_t i = 0; i < count() && !by_depth_; ++i) warp_image(i, y, options, lists, memory);
+  if (parallax_ && !by_depth_ && count() > 1)
     lean_on_depth(projection_.rays(), centers_, lists.share.row,
                   {lists.share.pull, lists.from_x, lists.from_y});
   for (std::size_t i = 0; i < count(); ++i) float_image(i, y, lists, memory);
@@ -219,7 +258,11 @@ void FloatingRenderer::float_row(int y, const RendererOptions& options, RowMemor
   float* shown = mean;
   if (is_floating_intermediate(options.output)) {
     shown = memory.floats(3 * pixels);
-    const FloatedRow floated{lists.share, lists.rgba, lists.used, lists.from_x, lists.from_y, mean};
+    FloatedRow floated{lists.share, lists.rgba, lists.used, lists.from_x, lists.from_y, mean};
+    if (by_depth_) {
+      floated.believed = common_.believed().data();
+      floated.width = images_.width;
+    }
     float_intermediate(projection_, pairwise_, options, shown_, y, floated, shown, memory);
   }
   picture_.write(projection_, y, shown, 3);

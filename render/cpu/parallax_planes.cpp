@@ -33,37 +33,41 @@ void ParallaxPlanes::add_row(const Task& task, int y, Worker& worker, Parallaxes
   }
   parallaxes_of_row(task.rays, task.centers, positions, x, v);
   const std::size_t line = static_cast<std::size_t>(y / task.shrink) * static_cast<std::size_t>(out.width);
+  const auto column = [&](int k) {
+    return static_cast<std::size_t>(static_cast<int>(row.x[static_cast<std::size_t>(k)]) / task.shrink);
+  };
+  for (int k = 0; k < row.count; ++k)
+    out.offset[line + column(k)] += 1 / row.inverse_z[static_cast<std::size_t>(k)];
   for (std::size_t i = 0; i < images; ++i) {
     float *to_x = out.x[i].data() + line, *to_y = out.y[i].data() + line;
     for (int k = 0; k < row.count; ++k) {
-      const auto at =
-          static_cast<std::size_t>(static_cast<int>(row.x[static_cast<std::size_t>(k)]) / task.shrink);
-      to_x[at] += x[i][k];
-      to_y[at] += v[i][k];
+      to_x[column(k)] += x[i][k];
+      to_y[column(k)] += v[i][k];
     }
   }
 }
 
 // What the images of a pair are moved against one another becomes one pixel, in the mean.
-void ParallaxPlanes::settle_row(int y, Parallaxes& out) {
-  const std::size_t line = static_cast<std::size_t>(y) * static_cast<std::size_t>(out.width),
+void ParallaxPlanes::settle_row(int shrink, int y, Worker& worker, Parallaxes& out) {
+  const std::size_t width = static_cast<std::size_t>(out.width), line = static_cast<std::size_t>(y) * width,
                     images = out.share.size();
+  std::vector<float>& scale = worker.scale;
+  scale.assign(width, 0.F);
   float pairs = 0;
   for (std::size_t i = 0; i < images; ++i)
-    for (std::size_t j = i + 1; j < images; ++j) pairs += out.share[i] * out.share[j];
-  for (std::size_t at = line; at < line + static_cast<std::size_t>(out.width); ++at) {
-    float apart = 0;
-    for (std::size_t i = 0; i < images; ++i)
-      for (std::size_t j = i + 1; j < images; ++j) {
-        const float x = out.x[i][at] - out.x[j][at], v = out.y[i][at] - out.y[j][at];
-        apart += out.share[i] * out.share[j] * std::sqrt(x * x + v * v);
-      }
-    const float scale = apart > 0 ? pairs / apart : 0.F;
-    for (std::size_t i = 0; i < images; ++i) {
-      out.x[i][at] *= scale;
-      out.y[i][at] *= scale;
+    for (std::size_t j = i + 1; j < images; ++j) {
+      const float both = out.share[i] * out.share[j];
+      pairs += both;
+      add_distances(width, both, {out.x[i].data() + line, out.y[i].data() + line},
+                    {out.x[j].data() + line, out.y[j].data() + line}, scale.data());
     }
-  }
+  for (float& apart : scale) apart = apart > 0 ? pairs / apart : 0.F;
+  for (std::size_t i = 0; i < images; ++i)
+    for (float* plane : {out.x[i].data() + line, out.y[i].data() + line})
+      for (std::size_t k = 0; k < width; ++k) plane[k] *= scale[k];
+  // Sums over a pixel's parts, like those of the parallaxes, whose mean is for one unit of offset over depth.
+  float* offset = out.offset.data() + line;
+  for (std::size_t k = 0; k < width; ++k) offset[k] *= static_cast<float>(shrink) * scale[k];
 }
 
 void ParallaxPlanes::run(const Task& task, const ReadRow& read, Parallaxes& out) {
@@ -80,6 +84,7 @@ void ParallaxPlanes::run(const Task& task, const ReadRow& read, Parallaxes& out)
   const int threads = task.threads > 0 ? task.threads : default_threads(),
             bands = std::max(1, std::min(out.height, threads));
   if (workers_.size() < static_cast<std::size_t>(bands)) workers_.resize(static_cast<std::size_t>(bands));
+  out.offset.assign(size, 0.F);
   for (std::size_t i = 0; i < images; ++i) {
     out.x[i].assign(size, 0.F);
     out.y[i].assign(size, 0.F);
@@ -94,7 +99,7 @@ void ParallaxPlanes::run(const Task& task, const ReadRow& read, Parallaxes& out)
         read(v, worker.row);
         if (worker.row.count > 0) add_row(task, v, worker, out);
       }
-      settle_row(y, out);
+      settle_row(task.shrink, y, worker, out);
     }
   });
 }

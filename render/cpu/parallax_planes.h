@@ -35,9 +35,10 @@ class ParallaxPlanes {
   struct Worker {
     SurfaceRow row;
     std::array<std::vector<float>, kMostListed> x, y;
+    std::vector<float> scale;  // of a row
   };
   static void add_row(const Task& task, int y, Worker& worker, Parallaxes& out);
-  static void settle_row(int y, Parallaxes& out);
+  static void settle_row(int shrink, int y, Worker& worker, Parallaxes& out);
 
   std::vector<Worker> workers_;
 };

@@ -25,17 +25,31 @@ struct Block {
   float v[kBlock];
 };
 
+// Compilers make no vectors of std::sqrt, which may have to set errno.
+HWY_INLINE void take_roots(float* values, std::size_t count) {
+  using D = HWY_CAPPED(float, kBlock);
+  const D d;
+  for (std::size_t k = 0; k < count; k += hwy::HWY_NAMESPACE::Lanes(d))
+    hwy::HWY_NAMESPACE::StoreU(hwy::HWY_NAMESPACE::Sqrt(hwy::HWY_NAMESPACE::LoadU(d, values + k)), d,
+                               values + k);
+}
+
 // Parallax of camera j at the block's pixels, in units of the view's picture plane at z = 1.
 HWY_INLINE void parallax(const ViewRays& rays, const std::array<float, 3>& center, const PositionRow& row,
                          int begin, const Block& nx, const Block& ny, const Block& nz, Block& ux, Block& uy) {
   const float ry = (row.y - rays.cy) * rays.inverse_fy;
+  Block facing, far;
   for (int k = 0; k < kBlock; ++k) {
     const int i = begin + k;
     const float rx = (row.x[i] - rays.cx - rays.skew * ry) * rays.inverse_fx, z = 1 / row.inverse_z[i];
     const float dx = rx * z - center[0], dy = ry * z - center[1], dz = z - center[2];
-    const float facing = nx.v[k] * dx + ny.v[k] * dy + nz.v[k] * dz;
-    const float least = -kGrazing * std::sqrt(dx * dx + dy * dy + dz * dz);
-    const float scale = 1 / std::min(facing, least);
+    facing.v[k] = nx.v[k] * dx + ny.v[k] * dy + nz.v[k] * dz;
+    far.v[k] = dx * dx + dy * dy + dz * dz;
+  }
+  take_roots(far.v, kBlock);
+  for (int k = 0; k < kBlock; ++k) {
+    const float rx = (row.x[begin + k] - rays.cx - rays.skew * ry) * rays.inverse_fx;
+    const float scale = 1 / std::min(facing.v[k], -kGrazing * far.v[k]);
     ux.v[k] = (center[0] - rx * center[2]) * scale;
     uy.v[k] = (center[1] - ry * center[2]) * scale;
   }
@@ -131,11 +145,17 @@ void LeanOnDepth(const ViewRays& rays, const CentersInView& centers, const Posit
     Block along{}, length{}, depth;
     for (std::size_t j = 0; j < cameras; ++j) {
       const float* pull = fetched.pull[j] + begin;
+      Block far;
       for (int k = 0; k < kBlock; ++k) {
         const float x = ux[j].v[k] - mean_x.v[k], y = uy[j].v[k] - mean_y.v[k];
-        const float far = std::sqrt(x * x + y * y), w = pull[k] < kFaintShare ? 0 : pull[k];
-        along.v[k] += far > 0 ? w * (x * dx[j].v[k] + y * dy[j].v[k]) / far : 0;
-        length.v[k] += w * far;
+        far.v[k] = x * x + y * y;
+      }
+      take_roots(far.v, kBlock);
+      for (int k = 0; k < kBlock; ++k) {
+        const float x = ux[j].v[k] - mean_x.v[k], y = uy[j].v[k] - mean_y.v[k];
+        const float w = pull[k] < kFaintShare ? 0 : pull[k];
+        along.v[k] += far.v[k] > 0 ? w * (x * dx[j].v[k] + y * dy[j].v[k]) / far.v[k] : 0;
+        length.v[k] += w * far.v[k];
       }
     }
     for (int k = 0; k < kBlock; ++k) depth.v[k] = length.v[k] > 0 ? along.v[k] / length.v[k] : 0;
@@ -151,6 +171,61 @@ void LeanOnDepth(const ViewRays& rays, const CentersInView& centers, const Posit
   }
 }
 
+void PlaceAtDepth(const ViewRays& rays, const CentersInView& centers, const PositionRow& row,
+                  std::span<const float> share, const float* displacement,
+                  const std::array<float*, kMostListed>& from_x,
+                  const std::array<float*, kMostListed>& from_y) {
+  const auto cameras = static_cast<std::size_t>(row.cameras);
+  Block nx, ny, nz, ux[kMostListed], uy[kMostListed], step;
+  for (int begin = 0; begin < row.count; begin += kBlock) {
+    turn_normals(rays, row.normals, begin, nx, ny, nz);
+    Block apart{};
+    float pairs = 0;
+    for (std::size_t j = 0; j < cameras; ++j) {
+      parallax(rays, centers[j], row, begin, nx, ny, nz, ux[j], uy[j]);
+      for (int k = 0; k < kBlock; ++k) {
+        ux[j].v[k] = ux[j].v[k] / rays.inverse_fx + rays.skew * uy[j].v[k];
+        uy[j].v[k] /= rays.inverse_fy;
+      }
+      for (std::size_t i = 0; i < j; ++i) {
+        const float both = share[i] * share[j];
+        pairs += both;
+        Block far;
+        for (int k = 0; k < kBlock; ++k) {
+          const float x = ux[i].v[k] - ux[j].v[k], y = uy[i].v[k] - uy[j].v[k];
+          far.v[k] = x * x + y * y;
+        }
+        take_roots(far.v, kBlock);
+        for (int k = 0; k < kBlock; ++k) apart.v[k] += both * far.v[k];
+      }
+    }
+    for (int k = 0; k < kBlock; ++k)
+      step.v[k] = apart.v[k] > 0 ? displacement[begin + k] * (pairs / apart.v[k]) : 0;
+    for (std::size_t j = 0; j < cameras; ++j) {
+      float *x = from_x[j] + begin, *y = from_y[j] + begin;
+      for (int k = 0; k < kBlock; ++k) {
+        x[k] = row.x[begin + k] + step.v[k] * ux[j].v[k];
+        y[k] = row.y + step.v[k] * uy[j].v[k];
+      }
+    }
+  }
+}
+
+void AddDistances(std::size_t count, float weight, const PlaneRow& a, const PlaneRow& b,
+                  float* HWY_RESTRICT sums) {
+  constexpr std::size_t kPiece = 256;
+  float far[kPiece] = {};
+  for (std::size_t begin = 0; begin < count; begin += kPiece) {
+    const std::size_t pixels = std::min(kPiece, count - begin);
+    for (std::size_t k = 0; k < pixels; ++k) {
+      const float x = a.x[begin + k] - b.x[begin + k], y = a.y[begin + k] - b.y[begin + k];
+      far[k] = x * x + y * y;
+    }
+    take_roots(far, kPiece);
+    for (std::size_t k = 0; k < pixels; ++k) sums[begin + k] += weight * far[k];
+  }
+}
+
 }  // namespace floatstage::render::cpu::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -160,6 +235,8 @@ namespace floatstage::render::cpu {
 HWY_EXPORT(PositionWeights);
 HWY_EXPORT(ParallaxesOfRow);
 HWY_EXPORT(LeanOnDepth);
+HWY_EXPORT(PlaceAtDepth);
+HWY_EXPORT(AddDistances);
 
 std::array<float, 3> center_in_view(const ViewRays& rays, const std::array<float, 3>& center) {
   std::array<float, 3> out{};
@@ -181,6 +258,17 @@ void parallaxes_of_row(const ViewRays& rays, const CentersInView& centers, const
 void lean_on_depth(const ViewRays& rays, const CentersInView& centers, const PositionRow& row,
                    const FetchedRow& fetched) {
   HWY_DYNAMIC_DISPATCH(LeanOnDepth)(rays, centers, row, fetched);
+}
+
+void place_at_depth(const ViewRays& rays, const CentersInView& centers, const PositionRow& row,
+                    std::span<const float> share, const float* displacement,
+                    const std::array<float*, kMostListed>& from_x,
+                    const std::array<float*, kMostListed>& from_y) {
+  HWY_DYNAMIC_DISPATCH(PlaceAtDepth)(rays, centers, row, share, displacement, from_x, from_y);
+}
+
+void add_distances(std::size_t count, float weight, const PlaneRow& a, const PlaneRow& b, float* sums) {
+  HWY_DYNAMIC_DISPATCH(AddDistances)(count, weight, a, b, sums);
 }
 
 }  // namespace floatstage::render::cpu

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "render/camera_choice.h"
 #include "render/cpu/photo_kernels.h"
@@ -64,5 +65,19 @@ struct FetchedRow {
 /// but also what a flow makes up anew in every view (ADR 356). `row.share`: the position weights v.
 void lean_on_depth(const ViewRays& rays, const CentersInView& centers, const PositionRow& row,
                    const FetchedRow& fetched);
+
+/// Where images are read that stand beside their places by one displacement a pixel along their parallaxes,
+/// which are scaled as Parallaxes are. `share`: how much each image counts; `displacement`: a list of the
+/// row, px; `row.share` is not looked at.
+void place_at_depth(const ViewRays& rays, const CentersInView& centers, const PositionRow& row,
+                    std::span<const float> share, const float* displacement,
+                    const std::array<float*, kMostListed>& from_x,
+                    const std::array<float*, kMostListed>& from_y);
+
+/// A row of vectors, and how far two of them are apart: adds to `sums`, `weight` times.
+struct PlaneRow {
+  const float *x, *y;
+};
+void add_distances(std::size_t count, float weight, const PlaneRow& a, const PlaneRow& b, float* sums);
 
 }  // namespace floatstage::render::cpu

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 #include "render/flow/flow_kernels.h"
 
-// The inner loops of DepthSweep that FlowKernels does not have, each compiled for every instruction set. The
-// same bits on all of them: nothing is contracted or approximated. All work on the blocks of `span`.
+// The inner loops of DepthSweep and DepthJudge that FlowKernels does not have, each compiled for every
+// instruction set. The same bits on all of them: nothing is contracted or approximated. All work on the
+// blocks of `span`.
 namespace floatstage::render {
 
 /// A row of a direction field.
@@ -39,5 +43,28 @@ void depth_invert(SplitSpan span, float omega, ConstSplitRow right, ConstSplitRo
 void depth_relax(SplitSpan span, int parity, float omega, ConstSplitRow inverse, ConstSplitRow b,
                  ConstSplitRow right, ConstSplitRow down, ConstSplitRow down_above, const ThreeRows& e,
                  SplitRow out);
+
+/// An image as it is and as it is read, and how far both are evidence.
+struct ComparedRow {
+  ConstSplitRow still, moved, weight;
+};
+/// How far images are apart, as they are and as they are read, and how much says so.
+struct ApartRow {
+  SplitRow still, moved, said;
+};
+/// Adds what two images differ by, `share` times.
+void depth_differ(SplitSpan span, float share, const ComparedRow& first, const ComparedRow& second,
+                  const ApartRow& apart);
+
+/// What is summed over a neighbourhood of kBelievedAcross * kBelievedAcross px.
+inline constexpr int kBelievedAcross = 5;
+struct ApartSums {
+  std::array<const float*, kBelievedAcross> still, moved, said;  ///< of a row each: sums along it
+};
+/// Sums along a row; `apart` goes on by half a neighbourhood at both ends.
+void depth_sum(int width, const float* apart, float* sums);
+/// How far a displacement is believed, 0…255: as far as images are alike where it leads (`usual`: steps apart
+/// at which half is left), and more so than without it.
+void depth_believe(int width, float usual, const ApartSums& sums, std::uint8_t* known);
 
 }  // namespace floatstage::render

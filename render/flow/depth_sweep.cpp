@@ -7,6 +7,7 @@
 namespace floatstage::render {
 namespace {
 
+constexpr int kTold = 8;      // rows: waking who waits for each would cost more than it gains
 constexpr int kNearRows = 4;  // rows that warp, gradient and diffusivity are looked back at, at most
 
 DirectionRow direction_row(const DepthLevel::Direction& direction, int y) {
@@ -39,28 +40,35 @@ ThreeRows DepthSweep::three(RowRing& ring, int y) const {
   return {ring[std::max(y - 1, 0)], ring[y], ring[std::min(y + 1, height_ - 1)]};
 }
 
-void DepthSweep::run(const FlowKernels& kernels, const FlowEnergy& energy, const DepthLevel& level,
-                     std::span<const DepthPairShare> pairs, SplitPlane& e) {
-  const Task task{&kernels, &energy, &level, pairs, &e};
+void DepthSweep::run(const Problem& problem, const RowProgress* before, RowProgress& done) {
+  const int halves = 2 * sweeps_;
   row_wave(
-      height_, sweeps_, [&](int y) { warp_row(task, y); }, [&](int y) { differentiate_row(task, y); },
-      [&](int y) { equate_row(task, y); }, [&](int y, int parity) { relax_row(task, y, parity); });
+      height_, sweeps_,
+      [&](int y) {
+        if (y % kTold == 0) done.tell(y - 1 - halves);  // those that the last half-sweep has left
+        if (before != nullptr) before->await(std::min(y + 2, height_));
+        warp_row(problem, y);
+      },
+      [&](int y) { differentiate_row(problem, y); }, [&](int y) { equate_row(problem, y); },
+      [&](int y, int parity) { relax_row(problem, y, parity); });
+  done.tell(height_);
 }
 
 // Reads every picture where e points to, and compares them in pairs.
-void DepthSweep::warp_row(const Task& task, int y) {
-  const SplitSpan span = task.span(y);
-  const DepthLevel& level = *task.level;
+void DepthSweep::warp_row(const Problem& problem, int y) {
+  const SplitSpan span = problem.span(y);
+  const DepthLevel& level = *problem.level;
   diffusivity_.clear(y);  // outside the span nothing is coupled
   if (span.empty()) return;
-  const SplitRow e = task.e->row(y), below = task.e->row(std::min(y + 1, height_ - 1));
+  const SplitRow e = problem.e->row(y), below = problem.e->row(std::min(y + 1, height_ - 1));
   for (std::size_t i = 0; i < level.pictures.size(); ++i) {
     depth_shift(span, e, direction_row(level.directions[i], y), shift_x_[y], shift_y_[y]);
-    task.kernels->warp(span, y, false, shift_x_[y], shift_y_[y], none_.row(0), level.inside.row(y),
-                       level.pictures[i]->sampled(), mean_[y], pictures_[i].value[y], pictures_[i].weight[y]);
+    problem.kernels->warp(span, y, problem.cubic, shift_x_[y], shift_y_[y], none_.row(0), level.inside.row(y),
+                          level.pictures[i]->sampled(), mean_[y], pictures_[i].value[y],
+                          pictures_[i].weight[y]);
   }
-  for (std::size_t p = 0; p < task.pairs.size(); ++p) {
-    const DepthPairShare& pair = task.pairs[p];
+  for (std::size_t p = 0; p < problem.pairs.size(); ++p) {
+    const DepthPairShare& pair = problem.pairs[p];
     Picture &first = pictures_[pair.first], &second = pictures_[pair.second];
     Pair& out = pairs_[p];
     depth_pair(span, pair.share, {first.value[y], first.weight[y]}, {second.value[y], second.weight[y]},
@@ -68,46 +76,46 @@ void DepthSweep::warp_row(const Task& task, int y) {
     for (SplitRow row : {out.mean[y], out.difference[y]}) replicate_ends(row, width_);
   }
   replicate_ends(e, width_);
-  task.kernels->diffusivity(span, *task.energy, e, below, none_.row(0), none_.row(0), level.stiffness.row(y),
-                            diffusivity_[y]);
+  problem.kernels->diffusivity(span, *problem.energy, e, below, none_.row(0), none_.row(0),
+                               level.stiffness.row(y), diffusivity_[y]);
 }
 
-void DepthSweep::differentiate_row(const Task& task, int y) {
-  const SplitSpan span = task.span(y);
+void DepthSweep::differentiate_row(const Problem& problem, int y) {
+  const SplitSpan span = problem.span(y);
   down_.clear(y);
   if (span.empty()) return;
-  for (std::size_t p = 0; p < task.pairs.size(); ++p) {
+  for (std::size_t p = 0; p < problem.pairs.size(); ++p) {
     Pair& pair = pairs_[p];
-    task.kernels->gradient(span, three(pair.mean, y), pair.dx[y], pair.dy[y]);
+    problem.kernels->gradient(span, three(pair.mean, y), pair.dx[y], pair.dy[y]);
     replicate_ends(pair.dx[y], width_);
   }
   const ConstSplitRow below = y + 1 < height_ ? ConstSplitRow(diffusivity_[y + 1]) : none_.row(0);
-  task.kernels->neighbors(span, diffusivity_[y], below, right_[y], down_[y]);
+  problem.kernels->neighbors(span, diffusivity_[y], below, right_[y], down_[y]);
   right_[y].odd[span.begin - 1] = 0;  // the neighbour to the left of the span
 }
 
-void DepthSweep::equate_row(const Task& task, int y) {
-  const SplitSpan span = task.span(y);
+void DepthSweep::equate_row(const Problem& problem, int y) {
+  const SplitSpan span = problem.span(y);
   if (span.empty()) return;
   inverse_.clear(y);
   b_.clear(y);
-  for (std::size_t p = 0; p < task.pairs.size(); ++p) {
-    const DepthPairShare& shared = task.pairs[p];
+  for (std::size_t p = 0; p < problem.pairs.size(); ++p) {
+    const DepthPairShare& shared = problem.pairs[p];
     Pair& pair = pairs_[p];
-    depth_terms(span, *task.energy,
+    depth_terms(span, *problem.energy,
                 {three(pair.dx, y), three(pair.dy, y), three(pair.difference, y), pair.weight[y],
-                 task.e->row(y), direction_row(task.level->directions[shared.first], y),
-                 direction_row(task.level->directions[shared.second], y)},
+                 problem.e->row(y), direction_row(problem.level->directions[shared.first], y),
+                 direction_row(problem.level->directions[shared.second], y)},
                 inverse_[y], b_[y]);
   }
-  depth_invert(span, task.energy->omega, right_[y], down_[y], down_above(y), inverse_[y]);
+  depth_invert(span, problem.energy->omega, right_[y], down_[y], down_above(y), inverse_[y]);
 }
 
-void DepthSweep::relax_row(const Task& task, int y, int parity) {
-  const SplitSpan span = task.span(y);
+void DepthSweep::relax_row(const Problem& problem, int y, int parity) {
+  const SplitSpan span = problem.span(y);
   if (span.empty()) return;
-  SplitPlane& e = *task.e;
-  depth_relax(span, parity, task.energy->omega, inverse_[y], b_[y], right_[y], down_[y], down_above(y),
+  SplitPlane& e = *problem.e;
+  depth_relax(span, parity, problem.energy->omega, inverse_[y], b_[y], right_[y], down_[y], down_above(y),
               {e.row(std::max(y - 1, 0)), e.row(y), e.row(std::min(y + 1, height_ - 1))}, e.row(y));
 }
 

@@ -7,6 +7,7 @@
 #include "render/flow/depth_kernels.h"
 #include "render/flow/flow_kernels.h"
 #include "render/flow/picture_pyramid.h"
+#include "render/flow/row_progress.h"
 #include "render/flow/row_ring.h"
 #include "render/flow/split_plane.h"
 
@@ -32,13 +33,23 @@ struct DepthPairShare {
 
 /// One warp of one displacement e that all pictures share: picture i is read at x + e direction_i, the energy
 /// of all pairs is linearised there, and the linear equations are relaxed (red-black SOR). Goes over the rows
-/// as FlowSweep does.
+/// as FlowSweep does, so that the next warp may follow on another thread a few rows behind.
 class DepthSweep {
  public:
+  /// Of one level, what all warps of it share.
+  struct Problem {
+    const FlowKernels* kernels;
+    const FlowEnergy* energy;
+    bool cubic;  ///< pictures are read by splines
+    const DepthLevel* level;
+    std::span<const DepthPairShare> pairs;
+    SplitPlane* e;
+    SplitSpan span(int y) const { return level->pictures[0]->spans[static_cast<std::size_t>(y)]; }
+  };
   /// Takes memory only when something is larger than ever before.
   void reset(int width, int height, int sweeps, std::size_t pictures, std::size_t pairs);
-  void run(const FlowKernels& kernels, const FlowEnergy& energy, const DepthLevel& level,
-           std::span<const DepthPairShare> pairs, SplitPlane& e);
+  /// `before`: of the warp before this one, which may be under way (null: none is); `done`: of this one.
+  void run(const Problem& problem, const RowProgress* before, RowProgress& done);
 
  private:
   struct Picture {
@@ -47,18 +58,10 @@ class DepthSweep {
   struct Pair {
     RowRing mean, difference, weight, dx, dy;
   };
-  struct Task {
-    const FlowKernels* kernels;
-    const FlowEnergy* energy;
-    const DepthLevel* level;
-    std::span<const DepthPairShare> pairs;
-    SplitPlane* e;
-    SplitSpan span(int y) const { return level->pictures[0]->spans[static_cast<std::size_t>(y)]; }
-  };
-  void warp_row(const Task& task, int y);
-  void differentiate_row(const Task& task, int y);
-  void equate_row(const Task& task, int y);
-  void relax_row(const Task& task, int y, int parity);
+  void warp_row(const Problem& problem, int y);
+  void differentiate_row(const Problem& problem, int y);
+  void equate_row(const Problem& problem, int y);
+  void relax_row(const Problem& problem, int y, int parity);
   ConstSplitRow down_above(int y) { return y > 0 ? ConstSplitRow(down_[y - 1]) : none_.row(0); }
   ThreeRows three(RowRing& ring, int y) const;
 

@@ -6,8 +6,9 @@
 
 #include "core/log.h"
 #include "core/text.h"
-#include "render/cpu/parallax_planes.h"
+#include "render/cpu/common_displacement.h"
 #include "render/cpu/projection.h"
+#include "render/depth_windows.h"
 #include "render/gl/field_memory.h"
 #include "render/gl/floating_flow.h"
 #include "render/gl/inspection.h"
@@ -49,27 +50,34 @@ class FloatingRenderer : public ViewRenderer {
       } else {
         StageTimes::enter("images");
         project_images(options.fill_hidden);
-        if (Result<void> ok = estimate_flows(scene, view, options); !ok) return forward(ok);
+        const bool by_depth = finds_depth(options, flows_on_gpu(options.flow)) && count() > 1;
+        if (Result<void> ok = by_depth ? find_displacement(scene, view, options) : estimate_flows(options);
+            !ok)
+          return forward(ok);
         const gl::Texture* flows = &flows_;
-        if (options.field_memory > 0 && count() > 1)
+        if (options.field_memory > 0 && count() > 1 && !by_depth)
           flows = &memory_.mix(scene, view, projection_, pulling(), options.flow.shrink, options.field_memory,
                                flows_);
         const ShownSlots shown = shown_slots(scene, projection_.choice(), options);
         StageTimes::enter("blending");
         float_.set(1, static_cast<int>(options.positions))
             .set(2, shown.camera, shown.towards)
-            .set(3, options.shown_camera < 0 ? 1 : 0);
+            .set(3, options.shown_camera < 0 ? 1 : 0)
+            .set(4, by_depth ? 1 : 0);
         projection_.draw(float_,
                          {&projection_.surface(), &projection_.weights(0), &projection_.weights(1), &images_,
                           flows, &projection_.angular(0), &projection_.angular(1), &projection_.soft(0),
-                          &projection_.soft(1), &confidence_},
+                          &projection_.soft(1), &confidence_, &displacement_},
                          target_);
       }
       projection_.soften(**textures, options, target_);
     }
     return rendered_view(scene, view, projection_, target_);
   }
-  void reset_history() override { memory_.forget(); }
+  void reset_history() override {
+    memory_.forget();
+    common_.forget();
+  }
 
  private:
   int count() const { return static_cast<int>(projection_.choice().chosen); }
@@ -110,21 +118,34 @@ class FloatingRenderer : public ViewRenderer {
   }
 
   /// As the CPU's renderer finds them, from the surface that was drawn here.
-  void find_parallaxes(const Scene& scene, const View& view, int shrink, int threads) {
+  Result<void> find_displacement(const Scene& scene, const View& view, const RendererOptions& options) {
     const Window& w = projection_.window();
-    const std::size_t width = static_cast<std::size_t>(w.width);
-    surface_.resize(4 * width * static_cast<std::size_t>(w.height));
+    const std::size_t width = static_cast<std::size_t>(w.width),
+                      size = width * static_cast<std::size_t>(w.height);
+    surface_.resize(4 * size);
     glGetTextureSubImage(projection_.surface().id(), 0, 0, 0, 0, w.width, w.height, 1, GL_RGBA, GL_FLOAT,
                          static_cast<GLsizei>(surface_.size() * sizeof(float)), surface_.data());
-    cpu::ParallaxPlanes::Task task{cpu::view_rays(view, w), {}, {}, w.width, w.height, shrink, threads};
+    inverse_z_.resize(size);
+    for (std::size_t i = 0; i < size; ++i)
+      inverse_z_[i] = surface_[4 * i + 3] > 0 ? 1 / surface_[4 * i + 3] : 0;
+    const ProjectedImages images = read_images(options.flow.shrink);
+    cpu::CommonDisplacement::Picture picture{&scene.impl(),
+                                             scene.impl().on_gpu,
+                                             cpu::view_rays(view, w),
+                                             {},
+                                             &projection_.choice(),
+                                             inverse_z_.data(),
+                                             w.width,
+                                             w.height,
+                                             static_cast<float>(depth_tolerance(scene.impl().box)),
+                                             &images};
     for (std::size_t i = 0; i < projection_.choice().chosen; ++i) {
       const auto camera = static_cast<std::size_t>(projection_.choice().listed[i]);
       const Eigen::Vector3f center = scene.impl().cameras[camera].cam_from_world.center().cast<float>();
-      task.centers[i] = cpu::center_in_view(task.rays, {center.x(), center.y(), center.z()});
-      task.fade.push_back(projection_.choice().fade[i]);
+      picture.centers[i] = cpu::center_in_view(picture.rays, {center.x(), center.y(), center.z()});
     }
-    parallax_planes_.run(
-        task,
+    const Result<void> found = common_.run(
+        picture,
         [&](int y, cpu::SurfaceRow& row) {
           row.count = 0;
           const float* from = surface_.data() + 4 * width * static_cast<std::size_t>(y);
@@ -138,13 +159,24 @@ class FloatingRenderer : public ViewRenderer {
             row.nz[k] = from[2];
           }
         },
-        parallaxes_);
+        options);
+    if (!found) return found;
+    if (options.field_memory > 0) common_.remember(picture, options);
+    displacement_.reserve(GL_R32F, GL_LINEAR, images.width, images.height, 1);
+    glTextureSubImage3D(displacement_.id(), 0, 0, 0, 0, images.width, images.height, 1, GL_RED, GL_FLOAT,
+                        common_.displacement().data());
+    if (options.output == RenderOutput::Confidence) {
+      confidence_.reserve(GL_R8, GL_NEAREST, images.width, images.height, 1);
+      glTextureSubImage3D(confidence_.id(), 0, 0, 0, 0, images.width, images.height, 1, GL_RED,
+                          GL_UNSIGNED_BYTE, common_.believed().data());
+    }
+    return {};
   }
 
-  Result<void> estimate_flows(const Scene& scene, const View& view, const RendererOptions& options) {
+  Result<void> estimate_flows(const RendererOptions& options) {
     const bool keeps = options.output == RenderOutput::Confidence;  // which only fields of the CPU have
     pairwise_.keep_confidence(keeps);
-    if (!keeps && !finds_depth(options) && flows_on_gpu(options.flow)) {
+    if (!keeps && flows_on_gpu(options.flow)) {
       const Result<void> made = make_computed();
       if (made) return compute_flows(options.flow);
       if (options.flow.place == FlowPlace::Gpu) return made;
@@ -157,14 +189,7 @@ class FloatingRenderer : public ViewRenderer {
     flows_.reserve(GL_RG32F, GL_LINEAR, width, height, std::max(count() * (count() - 1), 1));
     if (count() < 2) return {};
     const ProjectedImages images = read_images(shrink);
-    Result<void> made;
-    if (finds_depth(options)) {
-      find_parallaxes(scene, view, shrink, options.threads);
-      made = pairwise_.estimate_with_depth(images, parallaxes_, options.depth_share, pulling(), options.flow,
-                                           options.threads);
-    } else {
-      made = pairwise_.estimate(images, pulling(), options.flow, options.threads);
-    }
+    const Result<void> made = pairwise_.estimate(images, pulling(), options.flow, options.threads);
     if (!made) return made;
     for (std::size_t pair = 0; pair < pairwise_.fields().size(); ++pair)
       glTextureSubImage3D(flows_.id(), 0, 0, 0, static_cast<GLint>(pair), width, height, 1, GL_RG, GL_FLOAT,
@@ -201,14 +226,13 @@ class FloatingRenderer : public ViewRenderer {
   Inspection inspection_;
   gl::Kernel project_, float_;
   FieldMemory memory_;
-  gl::Texture images_, flows_, confidence_;
+  gl::Texture images_, flows_, confidence_, displacement_;
   ViewTarget target_;
-  bool software_;                        // what draws; or the flow does not run on what does
-  std::vector<float> surface_;           // read back for …
-  cpu::ParallaxPlanes parallax_planes_;  // … the fields
-  Parallaxes parallaxes_;
-  PairwiseFlows pairwise_;                // on the CPU …
-  std::optional<FloatingFlow> computed_;  // … or on the GPU: made when first used
+  bool software_;                           // what draws; or the flow does not run on what does
+  std::vector<float> surface_, inverse_z_;  // read back for …
+  cpu::CommonDisplacement common_;          // … these
+  PairwiseFlows pairwise_;                  // on the CPU …
+  std::optional<FloatingFlow> computed_;    // … or on the GPU: made when first used
 };
 
 }  // namespace

@@ -30,13 +30,16 @@ double wall_ms() {
       .count();
 }
 
-void draw(benchmark::State& state, const std::string& method, render::BackEnd back_end) {
+void draw(benchmark::State& state, const std::string& method, render::BackEnd back_end,
+          Alignment alignment = Alignment::Flow) {
   const Studio& on = studio();  // first: it makes the context current
   auto renderer = std::move(*make_renderer(method, back_end));
   const int width = static_cast<int>(state.range(0)), height = static_cast<int>(state.range(1));
+  RendererOptions options;
+  options.alignment = alignment;
   int step = 0;
   for (auto _ : state) {
-    const auto picture = renderer->render(on.scene, orbit_view(width, height, step++), {});
+    const auto picture = renderer->render(on.scene, orbit_view(width, height, step++), options);
     if (!picture) return state.SkipWithError(picture.error().message.c_str());
     benchmark::DoNotOptimize(download(*picture));
   }
@@ -214,6 +217,7 @@ BENCHMARK(two_threads)->Apply(sizes)->Iterations(1);
 BENCHMARK_CAPTURE(draw, nearest_cpu, std::string("nearest"), kCpu)->Apply(sizes);
 BENCHMARK_CAPTURE(draw, linear_cpu, std::string("linear"), kCpu)->Apply(sizes);
 BENCHMARK_CAPTURE(draw, floating_cpu, std::string("floating"), kCpu)->Apply(sizes);
+BENCHMARK_CAPTURE(draw, floating_depth_cpu, std::string("floating"), kCpu, Alignment::Depth)->Apply(sizes);
 BENCHMARK_CAPTURE(at_rest, cpu, kCpu)->Apply(sizes)->Iterations(2);
 BENCHMARK_CAPTURE(at_rest, gl, kGl)->Apply(sizes)->Iterations(1);
 BENCHMARK_CAPTURE(draw, nearest_gl, std::string("nearest"), kGl)->Apply(sizes);

@@ -24,7 +24,8 @@ TEST_P(CpuRenderer, AllocatesNothingOnceItHasSeenItsViews) {
   const bool depth = std::string_view(method) == "floating_depth";
   const auto renderer = std::move(*make_renderer(depth ? "floating" : method, render::BackEnd::Cpu));
   RendererOptions options;
-  options.depth_share = depth ? 0.5 : 0;
+  options.alignment = depth ? Alignment::Depth : Alignment::Flow;
+  options.field_memory = depth ? 0.75 : 0;
   options.threads = threads;
   const View views[] = {view_at(8, 25, small_camera(256, 192)), view_at(-13, 5), view_at(3, 40)};
   constexpr int kWarmUp = 20, kCounted = 5;

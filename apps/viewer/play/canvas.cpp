@@ -44,7 +44,7 @@ bool same(const pipeline::PathKey& a, const pipeline::PathKey& b) {
 
 bool same(const render::RendererOptions& a, const render::RendererOptions& b) {
   return a.cameras == b.cameras && a.soft_radius == b.soft_radius && a.flow == b.flow &&
-         a.positions == b.positions && a.depth_share == b.depth_share && a.field_memory == b.field_memory &&
+         a.positions == b.positions && a.alignment == b.alignment && a.field_memory == b.field_memory &&
          a.sharp == b.sharp && a.background == b.background && a.output == b.output &&
          a.shown_camera == b.shown_camera && a.towards_camera == b.towards_camera;
 }

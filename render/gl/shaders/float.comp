@@ -8,9 +8,11 @@ layout(binding = 7) uniform sampler2D angular1;
 layout(binding = 8) uniform sampler2D soft0;
 layout(binding = 9) uniform sampler2D soft1;
 layout(binding = 10) uniform sampler2DArray confidence;  // as flows; only where it is shown
+layout(binding = 11) uniform sampler2DArray displacement;  // one layer; only by depth
 layout(location = 1) uniform int positions;  // 0: parallax cancels, 1: the angular mean
 layout(location = 2) uniform ivec2 shown;    // slots of the camera to show and of the other one; -1: none
 layout(location = 3) uniform bool any;       // nobody said which camera to show
+layout(location = 4) uniform bool by_depth;  // images share a displacement; else there are fields
 
 const int kInversions = 4;
 const float kLeastFade = 1e-4;
@@ -69,10 +71,33 @@ ivec3 flow_place(ivec2 at, int i, int j) {
   return ivec3(min(at / int(view.settings.w), textureSize(flows, 0).xy - 1), flow_layer(i, j));
 }
 vec2 field_at(ivec2 at, int i, int j) { return view.settings.w * texelFetch(flows, flow_place(at, i, j), 0).xy; }
-float confidence_at(ivec2 at, int i, int j) { return texelFetch(confidence, flow_place(at, i, j), 0).x; }
+float confidence_at(ivec2 at, int i, int j) {
+  ivec3 place = by_depth ? ivec3(at / int(view.settings.w), 0) : flow_place(at, i, j);
+  return texelFetch(confidence, place, 0).x;
+}
+
+vec2 in_pixels(vec2 u) { return vec2(u.x * view.view_k.x + view.settings.x * u.y, u.y * view.view_k.y); }
+
+// Where images are read that stand beside their places by one displacement along their parallaxes, a pair by 1 px in the
+// mean. The twin of cpu/position_kernels.cpp.
+void place_at_depth(vec2 x, vec2 u[kMaxListed], out vec2 from[kMaxListed]) {
+  int n = view.counts.y;
+  float all = 0.0, pairs = 0.0, apart = 0.0;
+  for (int i = 0; i < n; ++i) all += view.camera_fade[i].x;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < i; ++j) {
+      float both = all > 0.0 ? view.camera_fade[i].x * view.camera_fade[j].x : 1.0;
+      pairs += both;
+      apart += both * length(in_pixels(u[i] - u[j]));
+    }
+  float s = view.settings.w;
+  vec2 size = s * vec2(textureSize(displacement, 0).xy);
+  float moved = apart > 0.0 ? s * textureLod(displacement, vec3(x / size, 0.0), 0.0).x * (pairs / apart) : 0.0;
+  for (int i = 0; i < n; ++i) from[i] = x + moved * in_pixels(u[i]);
+}
 
 // What plain blending of `visible` photographs does to what is here, by how far the fields find it apart.
-vec3 measured(ivec2 at, vec4 here, float visible[kMaxListed]) {
+vec3 measured(ivec2 at, vec4 here, float visible[kMaxListed], vec2 from[kMaxListed]) {
   int worst = kSharp;
   float spacing[kMaxListed];
   for (int i = 0; i < view.counts.y; ++i) {
@@ -81,8 +106,9 @@ vec3 measured(ivec2 at, vec4 here, float visible[kMaxListed]) {
     worst = max(worst, blend_class(0.0, spacing[i], spacing[i]));
     for (int j = 0; j < i; ++j)
       if (visible[j] >= kFaintShare)
-        worst = max(worst, blend_class(max(length(field_at(at, i, j)), length(field_at(at, j, i))), spacing[i],
-                                       spacing[j]));
+        worst = max(worst, blend_class(by_depth ? distance(from[i], from[j])
+                                                : max(length(field_at(at, i, j)), length(field_at(at, j, i))),
+                                       spacing[i], spacing[j]));
   }
   return class_color(worst);
 }
@@ -113,13 +139,14 @@ void main() {
   }
 
   vec2 strongest_warp = vec2(0.0), from[kMaxListed];
-  for (int i = 0; i < n; ++i) {
+  if (by_depth) place_at_depth(x, u, from);
+  for (int i = 0; i < n && !by_depth; ++i) {
     from[i] = x;
     if (pull[i] < kFaintShare) continue;
     // I_i's point p lands at p + W_i(p): find the one that lands here.
     for (int k = 0; k < kInversions; ++k) from[i] = x - combined_warp(i, from[i]);
   }
-  if (positions == 0 && n > 1) lean_on_depth(x, u, place, pull, from);
+  if (positions == 0 && !by_depth && n > 1) lean_on_depth(x, u, place, pull, from);
   vec3 sum = vec3(0.0), colors[kMaxListed];
   float used[kMaxListed], hidden[kMaxListed], total = 0.0, all_hidden = 0.0, strongest = -1.0;
   for (int i = 0; i < n; ++i) {
@@ -175,12 +202,12 @@ void main() {
     color.rgb /= max(all, 1e-12);
   } else if (wanted == kField || wanted == kConfidence) {
     color.rgb = shown.x < 0 || shown.y < 0 ? vec3(0.0)
-                : wanted == kField         ? flow_color(field_at(at, shown.x, shown.y))
+                : wanted == kField ? flow_color(by_depth ? from[shown.y] - from[shown.x] : field_at(at, shown.x, shown.y))
                                            : vec3(confidence_at(at, shown.x, shown.y));
   } else if (wanted == kMeasured) {
     float visible[kMaxListed];
     for (int i = 0; i < n; ++i) visible[i] = i < 4 ? w0[i] : w1[i - 4];
-    color.rgb = measured(at, here, visible);
+    color.rgb = measured(at, here, visible, from);
   }
   draw(color);
 }
