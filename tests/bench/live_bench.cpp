@@ -95,6 +95,7 @@ void instant(benchmark::State& state) {
   LiveView drawn(rig);
   Reused<LiveScene> scenes;
   render::RendererOptions options;
+  options.alignment = render::Alignment::Auto;  // as `live` has it
   options.back_end = render::BackEnd::Cpu;
   options.threads = 1;
   const pipeline::CameraPath path = pipeline::orbit_around(rig, {}, {.seconds = 20}).path;

@@ -75,6 +75,7 @@ class Chain {
     EXPECT_TRUE(view_.show(scene));
     lap(counts.upload);
     render::RendererOptions options;
+    options.alignment = render::Alignment::Auto;  // as `live` has it
     options.back_end = render::BackEnd::Cpu;
     options.threads = how_.threads;
     const auto picture = view_.render(from_, quality, options);
