@@ -129,6 +129,12 @@ Result<render::RendererOptions> renderer_options(const RendererFlags& flags) {
   options.output = static_cast<render::RenderOutput>(shown);
   options.positions = static_cast<render::Positions>(place_of(render::position_names(), flags.positions));
   options.alignment = static_cast<render::Alignment>(place_of(render::alignment_names(), flags.alignment));
+  if (options.alignment == render::Alignment::Depth &&
+      (options.flow.backend != "variational" || options.positions != render::Positions::Parallax))
+    return fail(
+        ErrorCode::InvalidArgument,
+        "--alignment depth goes with --flow variational and --positions parallax, which say how depth "
+        "is found; take --alignment flow");
   if (!flags.depth_range.empty()) {
     const Result<std::pair<double, double>> range = parse_range(flags.depth_range);
     if (!range) return forward(range);

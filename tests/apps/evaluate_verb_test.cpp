@@ -34,5 +34,22 @@ TEST_F(EvaluateVerb, WalksWithOpenGl) {
   EXPECT_TRUE(report("gl").at("mean").contains("linear"));
 }
 
+TEST_F(EvaluateVerb, AlignsByDepth) {
+  for (const char* back_end : {"cpu", "gl"})
+    ASSERT_THAT(evaluate(back_end, {"--hold-out", "cam01", "--methods", "floating", "--alignment", "depth"}),
+                IsOk());
+  EXPECT_NEAR(report("gl").at("mean").at("floating").at("psnr_mask"),
+              double(report("cpu").at("mean").at("floating").at("psnr_mask")), 0.1);
+}
+
+TEST_F(EvaluateVerb, RefusesDepthThatOtherFlagsSayNothingOf) {
+  for (const std::vector<std::string>& others :
+       {std::vector<std::string>{"--flow", "dis"}, {"--flow", "none"}, {"--positions", "mean"}}) {
+    std::vector<std::string> words = {"--hold-out", "cam01", "--alignment", "depth"};
+    words.insert(words.end(), others.begin(), others.end());
+    EXPECT_THAT(evaluate("cpu", words), FailsWith(ErrorCode::InvalidArgument, "--alignment flow"));
+  }
+}
+
 }  // namespace
 }  // namespace floatstage::apps

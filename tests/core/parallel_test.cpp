@@ -40,6 +40,16 @@ TEST_P(ParallelFor, RethrowsWhatABodyThrew) {
   EXPECT_GE(begun, 4);
 }
 
+TEST_P(ParallelFor, LetsItemsWaitForThoseBefore) {
+  std::vector<std::atomic<bool>> done(200);
+  parallel_for(done.size(), GetParam(), [&](std::size_t i) {
+    if (i > 0) done[i - 1].wait(false);
+    done[i] = true;
+    done[i].notify_all();
+  });
+  for (const std::atomic<bool>& is : done) EXPECT_TRUE(is);
+}
+
 INSTANTIATE_TEST_SUITE_P(Threads, ParallelFor, testing::Values(0, 1, 2, 7));
 
 TEST(ParallelForOneThread, GoesInOrderAndStopsAtTheFirstFailure) {
