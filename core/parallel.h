@@ -25,9 +25,9 @@ class IndexBody {
 /// order). Items are handed out one at a time; results must not depend on the order, which is what keeps
 /// outputs the same at any thread count. The first exception thrown by a body is rethrown here after all
 /// threads have stopped. The other threads are kept for all calls (docs/adr/0164): a call takes those that
-/// have nothing to do, so an item may wait for those before it, which are handed out in order, but for none
-/// after it, and a body may call parallel_for() itself. Nothing is allocated once as many threads have been
-/// asked for before.
+/// have nothing to do, so an item may wait for those before it, which are handed out in order, if none of
+/// them throws, but for none after it; and a body may call parallel_for() itself. Nothing is allocated once
+/// as many threads have been asked for before.
 void parallel_for(std::size_t count, int threads, IndexBody body);
 
 /// What `threads = 0` means on this machine.
