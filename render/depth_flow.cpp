@@ -141,15 +141,10 @@ void DepthFlow::warp(const SolverOptions& options, int l, int threads) {
 }
 
 void DepthFlow::hand_out() {
-  const Level& finest = levels_[0];
-  const int width = finest.e.width();
+  // Nothing is known off the proxy, where the filling goes on by itself.
+  const SplitPlane& e = levels_[0].e;
   e_.resize(known_.size());
-  for (int y = 0; y < finest.e.height(); ++y) {
-    float* to = e_.data() + at(y) * at(width);
-    const ConstSplitRow from = finest.e.row(y), inside = finest.inside.row(y);
-    for (int i = 0; i < (width + 1) / 2; ++i) to[2 * i] = from.even[i] * inside.even[i];
-    for (int i = 0; i < width / 2; ++i) to[2 * i + 1] = from.odd[i] * inside.odd[i];
-  }
+  for (int y = 0; y < e.height(); ++y) join_row(e.row(y), e.width(), e_.data() + at(y) * at(e.width()));
 }
 
 Result<void> DepthFlow::estimate(const ProjectedImages& images, const Parallaxes& parallaxes,

@@ -12,14 +12,6 @@ constexpr int kReach = kBelievedAcross / 2;
 
 std::size_t slot(int y) { return static_cast<std::size_t>((y + kBelievedAcross) % kBelievedAcross); }
 
-void join_row(ConstSplitRow from, int width, float* to) {
-  for (int i = 0; i < width / 2; ++i) {
-    to[2 * i] = from.even[i];
-    to[2 * i + 1] = from.odd[i];
-  }
-  if (width % 2 != 0) to[width - 1] = from.even[width / 2];
-}
-
 }  // namespace
 
 void DepthJudge::reset(const DepthLevel& level, Worker& worker) {

@@ -88,6 +88,15 @@ void split_row(const T* from, int width, float scale, SplitRow to) {
   if (width % 2 != 0) to.even[width / 2] = static_cast<float>(from[width - 1]) * scale;
 }
 
+/// The way back: the columns of a row in their order.
+inline void join_row(ConstSplitRow from, int width, float* to) {
+  for (int i = 0; i < width / 2; ++i) {
+    to[2 * i] = from.even[i];
+    to[2 * i + 1] = from.odd[i];
+  }
+  if (width % 2 != 0) to[width - 1] = from.even[width / 2];
+}
+
 /// Column -1 becomes column 0, and column `width` the last one: what a derivative sees beyond the picture.
 inline void replicate_ends(SplitRow row, int width) {
   row.odd[-1] = row.even[0];
