@@ -26,6 +26,7 @@ void append_bytes(png_structp png, png_bytep data, png_size_t size) {
 
 struct Packing {
   int level;          // zlib's
+  int filter = -1;    // one of libpng's; -1: the best of each row, which costs as much again as packing
   bool runs = false;  // nothing but runs of equal bytes is looked for
 };
 
@@ -46,10 +47,8 @@ bool encode(const Image& image, const std::uint8_t* rows, int bits, Packing pack
   png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), bits,
                type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_compression_level(png, packing.level);
-  if (packing.runs) {
-    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
-    png_set_compression_strategy(png, Z_RLE);
-  }
+  if (packing.filter >= 0) png_set_filter(png, PNG_FILTER_TYPE_BASE, packing.filter);
+  if (packing.runs) png_set_compression_strategy(png, Z_RLE);
   png_write_info(png, info);
   const std::size_t row =
       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.channels * bits / 8);
@@ -101,33 +100,35 @@ void check_image(const Image& image) {
 }
 
 Result<void> save(const Image& image, const std::uint8_t* rows, int bits, const std::filesystem::path& file,
-                  int level) {
+                  Packing packing) {
   check_image(image);
   std::string bytes;
-  if (!encode(image, rows, bits, {.level = level}, bytes))
+  if (!encode(image, rows, bits, packing, bytes))
     return fail(ErrorCode::Io, text("cannot encode ", file.string(), " as PNG"));
   return write_file(file, bytes);
 }
 
 }  // namespace
 
-Result<void> save_png(const Image& image, const std::filesystem::path& file, int level) {
-  return save(image, image.pixels.data(), 8, file, level);
+// Photographs and renders are a tenth smaller as runs of what is left of the Paeth filter than with matches
+// looked for after the best of all filters, in half the time (ADR 361).
+Result<void> save_png(const Image& image, const std::filesystem::path& file) {
+  return save(image, image.pixels.data(), 8, file, {.level = 1, .filter = PNG_FILTER_PAETH, .runs = true});
 }
 
 Result<std::string> encode_png_of_runs(const Image& image) {
   check_image(image);
   std::string bytes;
-  if (!encode(image, image.pixels.data(), 8, {.level = 1, .runs = true}, bytes))
+  if (!encode(image, image.pixels.data(), 8, {.level = 1, .filter = PNG_FILTER_NONE, .runs = true}, bytes))
     return fail(ErrorCode::Io, text("cannot encode a PNG of ", image.width, "x", image.height));
   return bytes;
 }
 
-Result<void> save_png16(const Image& image, const std::filesystem::path& file, int level) {
+Result<void> save_png16(const Image& image, const std::filesystem::path& file) {
   std::vector<std::uint8_t> wide(2 * image.pixels.size());
   for (std::size_t i = 0; i < image.pixels.size(); ++i)
     wide[2 * i] = wide[2 * i + 1] = image.pixels[i];  // v * 257
-  return save(image, wide.data(), 16, file, level);
+  return save(image, wide.data(), 16, file, {.level = 3});
 }
 
 }  // namespace floatstage

@@ -21,8 +21,8 @@ constexpr std::uint64_t kMostPngPixels = 112'000'000;
 Result<Image> load_png(const std::filesystem::path& file);
 Result<Image> decode_png(std::span<const std::byte> bytes, std::string_view name_for_errors);
 
-/// Writes 1, 3 or 4 channels, to a temporary name first. `level` is zlib's: 1 fast … 9 small.
-Result<void> save_png(const Image& image, const std::filesystem::path& file, int level = 3);
+/// Writes 1, 3 or 4 channels, to a temporary name first.
+Result<void> save_png(const Image& image, const std::filesystem::path& file);
 
 /// The bytes of a PNG that is packed as runs of equal bytes, without filters: for mattes, of which that makes
 /// smaller files in a third of the time (docs/adr/0193). Of photographs it makes large ones.
@@ -30,6 +30,6 @@ Result<std::string> encode_png_of_runs(const Image& image);
 
 /// The same picture with 16 bits a channel (v * 257, big-endian in the file as PNG wants it): for programs
 /// that expect them.
-Result<void> save_png16(const Image& image, const std::filesystem::path& file, int level = 3);
+Result<void> save_png16(const Image& image, const std::filesystem::path& file);
 
 }  // namespace floatstage

@@ -84,7 +84,7 @@ Image of_alpha(const Field& alpha) {
 Result<void> save_steps(const LightPicture& child, const LightPicture& parent, const Transfer& t,
                         const std::filesystem::path& folder, const std::string& name) {
   const auto save = [&](const char* step, const Image& picture) {
-    return save_png(picture, folder / text(name, "-", step, ".png"), 1);
+    return save_png(picture, folder / text(name, "-", step, ".png"));
   };
   if (Result<void> ok = save("1-parent", to_image(parent)); !ok) return ok;
   if (Result<void> ok = save("2-child", to_image(child)); !ok) return ok;

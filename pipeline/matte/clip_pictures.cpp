@@ -37,7 +37,7 @@ Result<ClipPictures> ClipPictures::open(const fs::path& media, const fs::path& s
     if (!*picture) break;
     char name[16];
     std::snprintf(name, sizeof name, "%06d.png", frame);
-    if (Result<void> ok = save_png(**picture, scratch / name, 1); !ok) return forward(ok);
+    if (Result<void> ok = save_png(**picture, scratch / name); !ok) return forward(ok);
     clip.stills_.stills.push_back(scratch / name);
   }
   return clip;

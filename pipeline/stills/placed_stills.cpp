@@ -148,7 +148,7 @@ Result<void> place(const StraightInstant& instant, const PlaceStillsOptions& opt
   if (!count) return forward(count);
   for (std::size_t c = 0; c < instant.pictures.size(); ++c)
     if (Result<void> ok =
-            save_png(subject_alone(instant.pictures[c], instant.mattes[c]), photos / camera_name(c), 1);
+            save_png(subject_alone(instant.pictures[c], instant.mattes[c]), photos / camera_name(c));
         !ok)
       return ok;
   detail::RelationOptions relation;
@@ -160,7 +160,7 @@ Result<void> place(const StraightInstant& instant, const PlaceStillsOptions& opt
   for (std::size_t s = 0; s < report["stills"].size(); ++s) {
     const Result<Image> picture = detail::load_photo(photos / report["stills"][s].get<std::string>());
     if (!picture) return forward(picture);
-    if (Result<void> ok = save_png(*picture, out / file_of(s), 1); !ok) return ok;
+    if (Result<void> ok = save_png(*picture, out / file_of(s)); !ok) return ok;
   }
   std::error_code ignored;
   fs::remove_all(photos, ignored);

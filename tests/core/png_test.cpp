@@ -29,11 +29,9 @@ class EveryChannelCount : public testing::TestWithParam<int> {};
 
 TEST_P(EveryChannelCount, ComesBackBitByBit) {
   const TempFolder folder;
-  for (int level : {1, 9}) {
-    const Image image = noise(17, 5, GetParam());
-    ASSERT_THAT(save_png(image, folder / "a.png", level), IsOk());
-    EXPECT_THAT(load_png(folder / "a.png"), IsOkAnd(testing::Eq(image)));
-  }
+  const Image image = noise(17, 5, GetParam());
+  ASSERT_THAT(save_png(image, folder / "a.png"), IsOk());
+  EXPECT_THAT(load_png(folder / "a.png"), IsOkAnd(testing::Eq(image)));
   EXPECT_THAT(folder.names(), testing::ElementsAre("a.png"));
 }
 
@@ -74,11 +72,11 @@ TEST(Png, ReducesSixteenBits) {
 }
 
 TEST(Png, OfRunsIsTheSamePictureInFewerBytesWhereItIsAMatte) {
-  Image matte(160, 120, 1);
+  Image matte = noise(160, 120, 1);  // what keys leave at an outline
   for (int y = 0; y < matte.height; ++y)
     for (int x = 0; x < matte.width; ++x)
-      matte.at(x, y)[0] = static_cast<std::uint8_t>(
-          std::clamp(128 + 40 * (40 - static_cast<int>(std::hypot(x - 80, y - 60))), 0, 255));
+      if (const double beyond = std::hypot(x - 80, y - 60) - 40; std::abs(beyond) > 2)
+        matte.at(x, y)[0] = beyond < 0 ? 255 : 0;
   const Result<std::string> runs = encode_png_of_runs(matte);
   ASSERT_THAT(runs, IsOk());
   const Result<Image> back = decode_png(std::as_bytes(std::span(*runs)), "runs");

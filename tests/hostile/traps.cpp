@@ -50,9 +50,9 @@ std::string resized(std::string png, std::uint32_t width, std::uint32_t height) 
   return png.replace(29, 4, four(static_cast<std::uint32_t>(::crc32(0, header, 17))));
 }
 
-std::string png_of(const Image& image, int level = 9) {
+std::string png_of(const Image& image) {
   const TempFolder folder;
-  EXPECT_THAT(save_png(image, folder / "p.png", level), IsOk());
+  EXPECT_THAT(save_png(image, folder / "p.png"), IsOk());
   return *read_file(folder / "p.png");
 }
 

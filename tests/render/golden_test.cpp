@@ -106,7 +106,7 @@ TEST_P(Goldens, LooksAsBefore) {
   for (double& m : mean) m /= covered;
   if (std::getenv("FLOATSTAGE_GOLDEN_UPDATE") != nullptr && back_end == render::BackEnd::Gl) {
     std::filesystem::create_directories(golden_file(golden).parent_path());
-    ASSERT_THAT(save_png(actual, golden_file(golden), 9), IsOk());
+    ASSERT_THAT(save_png(actual, golden_file(golden)), IsOk());
     GTEST_SKIP() << golden.name << ": coverage " << covered / (actual.width * actual.height) << ", mean "
                  << mean[0] << ", " << mean[1] << ", " << mean[2];
   }
