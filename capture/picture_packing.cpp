@@ -151,57 +151,76 @@ void PicturePacking::pack(const Frame& frame, AVFrame& picture) const {
   }
 }
 
-bool PicturePacking::unpack(const AVFrame& picture, std::byte* bytes_out) const {
-  const int width = layout_.width, height = layout_.height, half = (width + 1) / 2;
+bool PicturePacking::unpack(const AVFrame& picture, std::byte* out) const {
+  if (!to_rgb_) return unpack(picture, {0, 0, layout_.width, layout_.height}, {out, layout_, 0, 0});
+  if (!fits(picture)) return false;
+  std::uint8_t* planes[4] = {reinterpret_cast<std::uint8_t*>(out), nullptr, nullptr, nullptr};
+  const int strides[4] = {static_cast<int>(layout_.stride), 0, 0, 0};
+  sws_scale(to_rgb_.get(), picture.data, picture.linesize, 0, layout_.height, planes, strides);
+  return true;
+}
+
+bool PicturePacking::fits(const AVFrame& picture) const {
   // H.264's decoder returns grey pictures with flat chroma planes; the first plane is what was recorded.
   const bool lossy_gray = codec_ == TakeCodec::H264 && pixel_format_ == AV_PIX_FMT_GRAY8;
   const int format = without_range(picture.format);
-  if (picture.width != width || picture.height != height) return false;
-  if (format != pixel_format_ && !(lossy_gray && format == AV_PIX_FMT_YUV420P)) return false;
-  auto* bytes = reinterpret_cast<std::uint8_t*>(bytes_out);
-  const std::size_t stride = layout_.stride;
-  if (to_rgb_) {
-    std::uint8_t* planes[4] = {bytes, nullptr, nullptr, nullptr};
-    const int strides[4] = {static_cast<int>(stride), 0, 0, 0};
-    sws_scale(to_rgb_.get(), picture.data, picture.linesize, 0, height, planes, strides);
-    return true;
-  }
-  for (int y = 0; y < height; ++y) {
-    std::uint8_t* out = bytes + static_cast<std::size_t>(y) * stride;
-    auto in = [&](int plane, int row) -> const std::uint8_t* {
-      return picture.data[plane] + static_cast<std::ptrdiff_t>(row) * picture.linesize[plane];
+  return picture.width == layout_.width && picture.height == layout_.height &&
+         (format == pixel_format_ || (lossy_gray && format == AV_PIX_FMT_YUV420P));
+}
+
+bool PicturePacking::unpack(const AVFrame& picture, const PixelBox& box, const Part& part) const {
+  FLOATSTAGE_CHECK(!to_rgb_, "pictures that are scaled come back whole");
+  if (!fits(picture)) return false;
+  auto* bytes = reinterpret_cast<std::uint8_t*>(part.bytes);
+  const int width = box.width, half = (width + 1) / 2;
+  const std::size_t stride = part.layout.stride;
+  for (int y = 0; y < box.height; ++y) {
+    const int row = box.y + y;
+    // From the box's column on, in a plane with a column for so many of the picture, of so many bytes.
+    auto in = [&](int plane, int at, int columns, int size) -> const std::uint8_t* {
+      return picture.data[plane] + static_cast<std::ptrdiff_t>(at) * picture.linesize[plane] +
+             box.x / columns * size;
+    };
+    auto to = [&](int at, int columns, int size) {
+      return bytes + stride * static_cast<std::size_t>(at) + (box.x - part.x) / columns * size;
     };
     switch (layout_.format) {
       case PixelFormat::Gray8:
       case PixelFormat::BayerRggb8:
-        std::memcpy(out, in(0, y), static_cast<std::size_t>(width));
+        std::memcpy(to(row - part.y, 1, 1), in(0, row, 1, 1), static_cast<std::size_t>(width));
         break;
-      case PixelFormat::Rgb8:
-        bgr_to_rgb(in(0, y), width, codec_ == TakeCodec::Ffv1 ? 4 : 3, out);
+      case PixelFormat::Rgb8: {
+        const int size = codec_ == TakeCodec::Ffv1 ? 4 : 3;
+        bgr_to_rgb(in(0, row, 1, size), width, size, to(row - part.y, 1, 3));
         break;
-      case PixelFormat::Yuyv:
+      }
+      case PixelFormat::Yuyv: {
+        std::uint8_t* out = to(row - part.y, 2, 4);
         if (codec_ == TakeCodec::Raw) {
-          std::memcpy(out, in(0, y), static_cast<std::size_t>(half) * 4);
+          std::memcpy(out, in(0, row, 2, 4), static_cast<std::size_t>(half) * 4);
           break;
         }
+        const std::uint8_t *luma = in(0, row, 1, 1), *blue = in(1, row, 2, 1), *red = in(2, row, 2, 1);
         for (int x = 0; x < half; ++x) {
-          out[4 * x] = in(0, y)[2 * x];
-          if (2 * x + 1 < width) out[4 * x + 2] = in(0, y)[2 * x + 1];
-          out[4 * x + 1] = in(1, y)[x];
-          out[4 * x + 3] = in(2, y)[x];
+          out[4 * x] = luma[2 * x];
+          if (2 * x + 1 < width) out[4 * x + 2] = luma[2 * x + 1];
+          out[4 * x + 1] = blue[x];
+          out[4 * x + 3] = red[x];
         }
         break;
+      }
       case PixelFormat::Nv12: {
-        std::memcpy(out, in(0, y), static_cast<std::size_t>(width));
+        std::memcpy(to(row - part.y, 1, 1), in(0, row, 1, 1), static_cast<std::size_t>(width));
         if (y % 2) break;
-        std::uint8_t* chroma = bytes + stride * static_cast<std::size_t>(height + y / 2);
+        std::uint8_t* chroma = to(part.layout.height + (row - part.y) / 2, 2, 2);
         if (codec_ == TakeCodec::Raw) {
-          std::memcpy(chroma, in(1, y / 2), static_cast<std::size_t>(half) * 2);
+          std::memcpy(chroma, in(1, row / 2, 2, 2), static_cast<std::size_t>(half) * 2);
           break;
         }
+        const std::uint8_t *blue = in(1, row / 2, 2, 1), *red = in(2, row / 2, 2, 1);
         for (int x = 0; x < half; ++x) {
-          chroma[2 * x] = in(1, y / 2)[x];
-          chroma[2 * x + 1] = in(2, y / 2)[x];
+          chroma[2 * x] = blue[x];
+          chroma[2 * x + 1] = red[x];
         }
         break;
       }

@@ -25,8 +25,19 @@ class PicturePacking {
   /// The other way, into layout().size_bytes zeroed bytes. False when the picture is not of this format or
   /// size.
   bool unpack(const AVFrame& picture, std::byte* out) const;
+  /// Pixels that begin at column x and row y of the picture.
+  struct Part {
+    std::byte* bytes;
+    ImageLayout layout;
+    int x, y;
+  };
+  /// Of a codec that loses nothing what lies within `box`, whole_pixels(), into its place in a part that
+  /// holds it.
+  bool unpack(const AVFrame& picture, const PixelBox& box, const Part& out) const;
 
  private:
+  bool fits(const AVFrame& picture) const;
+
   TakeCodec codec_ = TakeCodec::Ffv1;
   AVPixelFormat pixel_format_ = AV_PIX_FMT_NONE;
   ImageLayout layout_;

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -71,6 +72,10 @@ class TakeReader {
   /// no pixels and status Corrupt where the media file is damaged (logged once). Sequential access is fast,
   /// seeking works. InvalidArgument for a camera or index that is not there; Io.
   virtual Result<Frame> frame(int camera, int index) = 0;
+  /// The part of one camera's frame that holds `boxes`: crop() of frame() to `box`, which becomes what is
+  /// around them. Of FFV1 the slices that meet one of them alone are decoded, and only their damage is
+  /// noticed; beside the boxes there may be zeros then. InvalidArgument for boxes that miss the picture, too.
+  virtual Result<Frame> part(int camera, int index, std::span<const PixelBox> boxes, PixelBox& box) = 0;
   /// All cameras at one instant; time is the earliest exposure of the frames present.
   virtual Result<FrameSet> frame_set(int index) = 0;
 };

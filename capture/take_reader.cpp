@@ -40,12 +40,15 @@ class FolderReader final : public TakeReader {
     return cameras_[static_cast<std::size_t>(camera)].rows;
   }
   Result<Frame> frame(int camera, int index) override;
+  Result<Frame> part(int camera, int index, std::span<const PixelBox> boxes, PixelBox& box) override;
   Result<FrameSet> frame_set(int index) override;
 
  private:
   Result<void> read_rig();
   Result<void> read_camera(const TakeManifest::Camera& camera);
   Result<void> read_added();
+  Result<Frame> row_of(int camera, int index, std::optional<std::int64_t>& media_index) const;
+  Result<Frame> without_pixels(Frame frame, int index, const Error& error);
   Result<Frame> hide_added(const AddedContent& added, Frame frame) const;
   void look_at_order(const fs::path& side_file, const std::vector<FrameRow>& rows);
   void look_at_end(const TakeManifest::Camera& camera, const std::string& csv, bool has_pictures);
@@ -223,33 +226,70 @@ Result<void> FolderReader::open() {
   return {};
 }
 
-Result<Frame> FolderReader::frame(int camera, int index) {
+// What the frame is without its pixels; a frame of a gap, or beyond the last row, has none.
+Result<Frame> FolderReader::row_of(int camera, int index, std::optional<std::int64_t>& media_index) const {
   if (camera < 0 || camera >= static_cast<int>(cameras_.size()) || index < 0 || index >= frame_count_)
     return fail(ErrorCode::InvalidArgument,
                 text(layout_.folder().string(), " has no frame ", index, " of camera ", camera, ": it has ",
                      frame_count_, " frames of ", cameras_.size(), " cameras"));
-  const CameraPlayback& playback = cameras_[static_cast<std::size_t>(camera)];
+  const std::vector<FrameRow>& rows = cameras_[static_cast<std::size_t>(camera)].rows;
   Frame frame;
-  if (index >= static_cast<int>(playback.rows.size())) {
+  if (index < static_cast<int>(rows.size())) {
+    const FrameRow& row = rows[static_cast<std::size_t>(index)];
+    frame.info = row.info;
+    media_index = row.media_index;
+  } else {
     frame.info.camera = camera;
     frame.info.status = FrameStatus::Lost;
-    return frame;
   }
-  const FrameRow& row = playback.rows[static_cast<std::size_t>(index)];
-  frame.info = row.info;
-  if (!row.media_index) return frame;
-  Result<std::shared_ptr<const std::byte[]>> pixels = playback.track->picture(*row.media_index);
-  if (pixels) {
-    frame.layout = playback.track->layout();
-    frame.pixels = std::move(*pixels);
-    return hide_added(playback.added, std::move(frame));
-  }
-  if (pixels.error().code != ErrorCode::BadData) return forward(pixels);
+  return frame;
+}
+
+// Where the media file is damaged, that frame without pixels.
+Result<Frame> FolderReader::without_pixels(Frame frame, int index, const Error& error) {
+  if (error.code != ErrorCode::BadData) return fail(error.code, error.message);
   frame.info.status = FrameStatus::Corrupt;
   const std::lock_guard lock(reported_mutex_);
-  if (reported_.emplace(camera, index).second)
-    log::warning(text(pixels.error().message, ": frame ", index, " is left out"));
+  if (reported_.emplace(frame.info.camera, index).second)
+    log::warning(text(error.message, ": frame ", index, " is left out"));
   return frame;
+}
+
+Result<Frame> FolderReader::frame(int camera, int index) {
+  std::optional<std::int64_t> media_index;
+  Result<Frame> frame = row_of(camera, index, media_index);
+  if (!frame || !media_index) return frame;
+  const CameraPlayback& playback = cameras_[static_cast<std::size_t>(camera)];
+  Result<std::shared_ptr<const std::byte[]>> pixels = playback.track->picture(*media_index);
+  if (!pixels) return without_pixels(std::move(*frame), index, pixels.error());
+  frame->layout = playback.track->layout();
+  frame->pixels = std::move(*pixels);
+  return hide_added(playback.added, std::move(*frame));
+}
+
+Result<Frame> FolderReader::part(int camera, int index, std::span<const PixelBox> boxes, PixelBox& box) {
+  std::optional<std::int64_t> media_index;
+  Result<Frame> part = row_of(camera, index, media_index);
+  if (!part || !media_index) return part;
+  const CameraPlayback& playback = cameras_[static_cast<std::size_t>(camera)];
+  const ImageLayout& whole = playback.track->layout();
+  std::vector<PixelBox> taken;
+  for (const PixelBox& one : boxes)
+    if (const PixelBox pixels = whole_pixels(whole, one); !pixels.empty()) taken.push_back(pixels);
+  box = around(taken);
+  // What hides something looks at what is around it.
+  if (!taken.empty() && playback.added.none()) {
+    Result<std::shared_ptr<const std::byte[]>> pixels = playback.track->part(*media_index, taken);
+    if (!pixels) return without_pixels(std::move(*part), index, pixels.error());
+    if (*pixels) {
+      part->layout = packed_layout(whole.format, box.width, box.height);
+      part->pixels = std::move(*pixels);
+      return part;
+    }
+  }
+  if (taken.empty()) box = around(boxes);
+  const Result<Frame> all = frame(camera, index);
+  return all && !all->empty() ? crop(*all, box) : all;
 }
 
 Result<FrameSet> FolderReader::frame_set(int index) {

@@ -10,7 +10,7 @@ extern "C" {
 
 #include <unistd.h>
 
-#include "capture/ffv1_check.h"
+#include "capture/ffv1_slices.h"
 #include "capture/libav.h"
 #include "capture/matroska_index.h"
 #include "capture/picture_packing.h"
@@ -45,12 +45,17 @@ class MatroskaTrack final : public TrackReader {
   bool cut() const override { return index_.cut; }
   const ImageLayout& layout() const override { return packing_.layout(); }
   Result<std::shared_ptr<const std::byte[]>> picture(std::int64_t index) override;
+  Result<std::shared_ptr<const std::byte[]>> part(std::int64_t index,
+                                                  std::span<const PixelBox> boxes) override;
 
  private:
   Result<void> read_header(const TakeManifest::Camera& camera);
   Result<void> fetch(std::int64_t index);
   Result<void> decode_up_to(std::int64_t index);
   Result<void> decode_one(std::int64_t index, bool is_wanted);
+  int decode_packet();
+  Result<bool> decode_slices(std::int64_t index, std::span<const PixelBox> boxes);
+  void forget();
   Unexpected bad(const std::string& what) const { return fail(ErrorCode::BadData, text(name_, ": ", what)); }
   Unexpected damaged(std::int64_t index, const std::string& why) const {
     return bad(text("picture ", index, " is damaged (", why, ")"));
@@ -64,6 +69,7 @@ class MatroskaTrack final : public TrackReader {
 
   std::mutex mutex_;  // guards everything below
   libav::Owned<AVCodecContext> decoder_;
+  std::optional<Ffv1Slices> slices_;  // of FFV1
   libav::Owned<AVFrame> decoded_ = libav::new_frame();
   libav::Owned<AVPacket> packet_ = libav::new_packet();
   std::int64_t decoder_at_ = -1;  // the picture that the decoder saw last; -1: none since a flush
@@ -107,6 +113,9 @@ Result<void> MatroskaTrack::read_header(const TakeManifest::Camera& camera) {
   decoder_->max_pixels = std::int64_t{camera.width + 64} * (camera.height + 64);
   if (const int error = avcodec_open2(decoder_.get(), found, nullptr); error < 0)
     return bad(text("the codec's private data make no sense (", libav::reason(error), ")"));
+  if (codec_ == TakeCodec::Ffv1 && track.extradata_size > 0)
+    slices_ = Ffv1Slices::of({track.extradata, static_cast<std::size_t>(track.extradata_size)}, camera.width,
+                             camera.height);
   return {};
 }
 
@@ -144,10 +153,23 @@ Result<void> MatroskaTrack::fetch(std::int64_t index) {
   return {};
 }
 
+// libav's error, negative, or 0.
+int MatroskaTrack::decode_packet() {
+  av_frame_unref(decoded_.get());
+  const int error = avcodec_send_packet(decoder_.get(), packet_.get());
+  return error < 0 ? error : std::min(0, avcodec_receive_frame(decoder_.get(), decoded_.get()));
+}
+
+// Whatever the decoder remembers must not colour another picture: it starts afresh from a key picture.
+void MatroskaTrack::forget() {
+  if (decoder_) avcodec_flush_buffers(decoder_.get());
+  decoder_at_ = -1;
+}
+
 Result<void> MatroskaTrack::decode_one(std::int64_t index, bool is_wanted) {
   if (Result<void> ok = fetch(index); !ok) return ok;
-  av_frame_unref(decoded_.get());
   if (codec_ == TakeCodec::Raw) {
+    av_frame_unref(decoded_.get());
     const ImageLayout& l = packing_.layout();
     if (packet_->size != av_image_get_buffer_size(packing_.pixel_format(), l.width, l.height, 1))
       return damaged(index, text(packet_->size, " bytes"));
@@ -160,9 +182,7 @@ Result<void> MatroskaTrack::decode_one(std::int64_t index, bool is_wanted) {
   }
   if (codec_ == TakeCodec::Ffv1 && !ffv1_intact({packet_->data, static_cast<std::size_t>(packet_->size)}))
     return damaged(index, "a slice's checksum is wrong");
-  int error = avcodec_send_packet(decoder_.get(), packet_.get());
-  if (error >= 0) error = avcodec_receive_frame(decoder_.get(), decoded_.get());
-  if (error < 0) return damaged(index, libav::reason(error));
+  if (const int error = decode_packet(); error < 0) return damaged(index, libav::reason(error));
   if (decoded_->decode_error_flags != 0 || (decoded_->flags & AV_FRAME_FLAG_CORRUPT) != 0)
     return damaged(index, "the decoder had to guess");
   if (is_wanted && decoded_->pts != index) return damaged(index, "the decoder returned another picture");
@@ -180,9 +200,7 @@ Result<void> MatroskaTrack::decode_up_to(std::int64_t index) {
     avcodec_flush_buffers(decoder_.get());
   for (std::int64_t i = first; i <= index; ++i) {
     if (Result<void> ok = decode_one(i, i == index); !ok) {
-      // Whatever the decoder remembers now must not colour another picture: start afresh from a key picture.
-      if (decoder_) avcodec_flush_buffers(decoder_.get());
-      decoder_at_ = -1;
+      forget();
       return ok;
     }
     decoder_at_ = i;
@@ -200,6 +218,35 @@ Result<std::shared_ptr<const std::byte[]>> MatroskaTrack::picture(std::int64_t i
   cached_ = std::move(bytes);
   cached_index_ = index;
   return cached_;
+}
+
+// Whether decoded_ has what lies in the boxes, and nothing else that can be relied on.
+Result<bool> MatroskaTrack::decode_slices(std::int64_t index, std::span<const PixelBox> boxes) {
+  if (!slices_ || !index_.pictures[static_cast<std::size_t>(index)].keyframe) return false;
+  if (Result<void> ok = fetch(index); !ok) return forward(ok);
+  const std::size_t size = slices_->keep({packet_->data, static_cast<std::size_t>(packet_->size)}, boxes);
+  if (size == 0) return false;
+  av_shrink_packet(packet_.get(), static_cast<int>(size));
+  const bool is_there = decode_packet() == 0 && decoded_->pts == index;
+  forget();
+  return is_there;
+}
+
+Result<std::shared_ptr<const std::byte[]>> MatroskaTrack::part(std::int64_t index,
+                                                               std::span<const PixelBox> boxes) {
+  FLOATSTAGE_CHECK(index >= 0 && index < pictures(), text(name_, ": picture ", index, " of ", pictures()));
+  const std::lock_guard lock(mutex_);
+  if (index == cached_index_) return std::shared_ptr<const std::byte[]>();
+  const Result<bool> is_there = decode_slices(index, boxes);
+  if (!is_there) return forward(is_there);
+  if (!*is_there) return std::shared_ptr<const std::byte[]>();
+  const PixelBox all = around(boxes);
+  const ImageLayout layout = packed_layout(packing_.layout().format, all.width, all.height);
+  auto bytes = std::make_shared<std::byte[]>(layout.size_bytes);
+  for (const PixelBox& box : boxes)
+    if (!packing_.unpack(*decoded_, box, {bytes.get(), layout, all.x, all.y}))
+      return damaged(index, "of another size or pixel format");
+  return std::shared_ptr<const std::byte[]>(std::move(bytes));
 }
 
 }  // namespace

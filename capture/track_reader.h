@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
 
 #include "capture/take.h"
 
@@ -25,6 +26,11 @@ class TrackReader {
   /// and the last one again, are fast; any other costs decoding from its key picture (FFV1 and raw: itself).
   /// BadData when the bytes are damaged, whatever was decoded before.
   virtual Result<std::shared_ptr<const std::byte[]>> picture(std::int64_t index) = 0;
+  /// The part of it within `boxes`, which are whole_pixels() (core/frame.h), packed tightly in what is
+  /// around() them with zeros beside them, where less is to be decoded for it than the whole picture; else
+  /// null. What is damaged elsewhere is not noticed.
+  virtual Result<std::shared_ptr<const std::byte[]>> part(std::int64_t index,
+                                                          std::span<const PixelBox> boxes) = 0;
 };
 
 }  // namespace floatstage::capture

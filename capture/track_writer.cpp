@@ -15,9 +15,14 @@ extern "C" {
 namespace floatstage::capture {
 namespace {
 
-// Slices let one picture be coded by several cores; their number is fixed so that the bytes do not depend on
-// the machine.
-constexpr int kSlices = 4;
+// Slices let one picture be coded by several cores, and a part of it be read for less than the whole (ADR
+// 361). Their number depends on nothing but the picture's size, so the bytes do not depend on the machine.
+int slices_of(int width, int height) {
+  constexpr int kMostASide = 8, kLeastWidth = 64, kLeastHeight = 48;  // px, of a slice
+  int a_side = kMostASide;
+  while (a_side > 1 && (width < a_side * kLeastWidth || height < a_side * kLeastHeight)) a_side /= 2;
+  return a_side * a_side;
+}
 
 /// Turns pictures into packets: one in, one out, so that nothing waits inside an encoder when the program is
 /// killed.
@@ -50,8 +55,8 @@ Result<void> PictureCoder::open(TakeCodec codec, const PicturePacking& packing, 
   if (!found)
     return fail(ErrorCode::Unsupported,
                 text("this libavcodec has no ", ffv1 ? "FFV1" : "libx264", " encoder"));
-  int error = open_encoder(*found, codec, packing, time_base, frame_rate, kSlices);
-  // libav cannot cut some small or odd-sized pictures with shared chroma into four.
+  int error = open_encoder(*found, codec, packing, time_base, frame_rate, slices_of(width_, height_));
+  // libav cannot cut some small or odd-sized pictures with shared chroma.
   if (error < 0 && codec == TakeCodec::Ffv1)
     error = open_encoder(*found, codec, packing, time_base, frame_rate, 1);
   if (error < 0)

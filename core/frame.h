@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -97,10 +98,16 @@ struct PixelBox {
   bool operator==(const PixelBox&) const = default;
 };
 
+/// `box` cut to a picture of this layout, and grown to whole ones where pixels come in pairs (Yuyv) or cells
+/// (Nv12, Bayer). Empty when it misses the picture.
+PixelBox whole_pixels(const ImageLayout& layout, const PixelBox& box);
+
+/// The smallest box that holds these; empty ones do not count.
+PixelBox around(std::span<const PixelBox> boxes);
+
 /// The frame's pixels within `box`, still in the sensor's format, without copying where the format allows it
-/// (all but Nv12): the result keeps the whole buffer alive. Where pixels come in pairs or cells the box is
-/// grown to whole ones; `box` is what was taken. It is cut to the picture. Errors as to_rgb();
-/// InvalidArgument for a box that misses it.
+/// (all but Nv12): the result keeps the whole buffer alive. `box` becomes what was taken, whole_pixels() of
+/// it. Errors as to_rgb(); InvalidArgument for a box that misses the picture.
 Result<Frame> crop(const Frame& frame, PixelBox& box);
 
 }  // namespace floatstage

@@ -132,21 +132,43 @@ Result<void> shrink(const Frame& frame, int factor, std::vector<std::uint32_t>& 
   return {};
 }
 
+PixelBox whole_pixels(const ImageLayout& layout, const PixelBox& box) {
+  const bool pairs = layout.format != PixelFormat::Gray8 && layout.format != PixelFormat::Rgb8;
+  const bool cells = pairs && layout.format != PixelFormat::Yuyv;
+  const auto even = [](int v, bool down) { return down ? v - (v & 1) : v + (v & 1); };
+  int x0 = std::max(box.x, 0), y0 = std::max(box.y, 0);
+  int x1 = std::min(box.x + box.width, layout.width), y1 = std::min(box.y + box.height, layout.height);
+  if (x0 >= x1 || y0 >= y1) return {};
+  if (pairs) x0 = even(x0, true), x1 = std::min(even(x1, false), layout.width);
+  if (cells) y0 = even(y0, true), y1 = std::min(even(y1, false), layout.height);
+  return {x0, y0, x1 - x0, y1 - y0};
+}
+
+PixelBox around(std::span<const PixelBox> boxes) {
+  PixelBox all;
+  for (const PixelBox& box : boxes) {
+    if (box.empty()) continue;
+    if (all.empty()) all = box;
+    const int right = std::max(all.x + all.width, box.x + box.width),
+              bottom = std::max(all.y + all.height, box.y + box.height);
+    all.x = std::min(all.x, box.x);
+    all.y = std::min(all.y, box.y);
+    all.width = right - all.x;
+    all.height = bottom - all.y;
+  }
+  return all;
+}
+
 Result<Frame> crop(const Frame& frame, PixelBox& box) {
   if (Result<void> ok = check_readable(frame); !ok) return forward(ok);
   const ImageLayout& l = frame.layout;
-  const bool pairs = l.format != PixelFormat::Gray8 && l.format != PixelFormat::Rgb8;
-  const bool cells = pairs && l.format != PixelFormat::Yuyv;
-  const auto even = [](int v, bool down) { return down ? v - (v & 1) : v + (v & 1); };
-  int x0 = std::max(box.x, 0), y0 = std::max(box.y, 0);
-  int x1 = std::min(box.x + box.width, l.width), y1 = std::min(box.y + box.height, l.height);
-  if (x0 >= x1 || y0 >= y1)
+  const PixelBox taken = whole_pixels(l, box);
+  if (taken.empty())
     return fail(ErrorCode::InvalidArgument,
                 text("camera ", frame.info.camera, ": the part at ", box.x, ",", box.y, " of ", box.width,
                      "x", box.height, " lies outside its ", l.width, "x", l.height, " picture"));
-  if (pairs) x0 = even(x0, true), x1 = std::min(even(x1, false), l.width);
-  if (cells) y0 = even(y0, true), y1 = std::min(even(y1, false), l.height);
-  box = {x0, y0, x1 - x0, y1 - y0};
+  box = taken;
+  const int x0 = box.x, y0 = box.y, y1 = box.y + box.height;
 
   Frame part{frame.info, l, nullptr};
   part.layout.width = box.width;

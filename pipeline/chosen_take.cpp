@@ -27,6 +27,9 @@ class ChosenTake final : public capture::TakeReader {
   int frame_count() const override { return whole_->frame_count(); }
   const std::vector<FrameRow>& rows(int camera) const override { return whole_->rows(camera); }
   Result<Frame> frame(int camera, int index) override { return whole_->frame(camera, index); }
+  Result<Frame> part(int camera, int index, std::span<const PixelBox> boxes, PixelBox& box) override {
+    return whole_->part(camera, index, boxes, box);
+  }
   Result<FrameSet> frame_set(int index) override { return whole_->frame_set(index); }
 
  private:

@@ -85,37 +85,13 @@ double screen_distance(const View& view, const Eigen::AlignedBox3d& subject) {
   return std::max(middle, view.near_plane);
 }
 
-// One instant of the take; of the photographs that are needed what is needed of them only, where `chosen`.
-struct FilmInstant {
-  struct Picture {
-    int camera;
-    PixelBox part;
-    Image photograph, matte;
-  };
-  SceneFrame scene;
-  bool chosen = false;
-  std::vector<Picture> pictures;  // with chosen
-};
-
-Result<void> set_scene(const Rig& rig, const FilmInstant& instant, render::Scene& to) {
-  if (!instant.chosen) return to.set(rig, instant.scene);
+Result<void> set_scene(const Rig& rig, const DrawnScene& instant, render::Scene& to) {
+  if (const auto* whole = std::get_if<SceneFrame>(&instant)) return to.set(rig, *whole);
+  const SceneParts& parts = std::get<SceneParts>(instant);
   std::vector<render::PictureTile> tiles;
-  for (const FilmInstant::Picture& p : instant.pictures)
-    tiles.push_back({p.camera, p.part.x, p.part.y, &p.photograph, &p.matte});
-  return to.set(rig, instant.scene.mesh, tiles);
-}
-
-// Of what was decoded of a camera the part, which is grown where pixels come in pairs or cells.
-Result<FilmInstant::Picture> cut(const SceneFrame& scene, std::size_t camera, PixelBox part) {
-  const Result<Frame> frame = crop(scene.images.frames[camera], part);
-  if (!frame) return forward(frame);
-  Result<Image> photograph = to_rgb(*frame);
-  if (!photograph) return forward(photograph);
-  const Matte& matte = scene.mattes[camera];
-  Image alpha(part.width, part.height, 1);
-  for (int y = 0; y < part.height; ++y)
-    std::copy_n(matte.row(part.y + y) + part.x, part.width, alpha.at(0, y));
-  return FilmInstant::Picture{static_cast<int>(camera), part, std::move(*photograph), std::move(alpha)};
+  for (const PhotographPart& p : parts.photographs)
+    tiles.push_back({p.camera, p.box.x, p.box.y, &p.photograph, &p.matte});
+  return to.set(rig, parts.mesh, tiles);
 }
 
 // Decodes the next instant while the present one is drawn: of the photographs that its views are drawn from.
@@ -131,8 +107,8 @@ class SceneStream {
         views_(views),
         next_(load(0)) {}
 
-  Result<FilmInstant> at(std::size_t picture) {
-    Result<FilmInstant> scene = next_.get();
+  Result<DrawnScene> at(std::size_t picture) {
+    Result<DrawnScene> scene = next_.get();
     if (const std::size_t later = end_of(picture); later < schedule_.size()) next_ = load(later);
     return scene;
   }
@@ -149,43 +125,36 @@ class SceneStream {
       views.insert(views.end(), views_[p].begin(), views_[p].end());
     return views;
   }
-  std::vector<bool> drawn_in(const Mesh& mesh, const std::vector<View>& views) const {
-    std::vector<bool> cameras(rig_.cameras.size(), false);
+  std::vector<std::vector<PixelBox>> drawn_in(const Mesh& mesh, const std::vector<View>& views) const {
+    std::vector<std::vector<PixelBox>> parts(rig_.cameras.size());
     for (const View& view : views)
-      for (const int camera : render::drawn_from(rig_, mesh, view, options_.renderer.cameras))
-        cameras[static_cast<std::size_t>(camera)] = true;
-    return cameras;
-  }
-  PixelBox drawn_of(const RigCamera& camera, const Mesh& mesh, const std::vector<View>& views) const {
-    const PixelBox whole{0, 0, camera.model.width, camera.model.height};
-    if (options_.renderer.back_end != render::BackEnd::Cpu) return whole;
-    Eigen::AlignedBox2i box;
-    for (const std::string& method : options_.methods) {
-      const PixelBox part = render::part_drawn_from(camera, mesh, views, method);
-      box.extend(Eigen::Vector2i(part.x, part.y));
-      box.extend(Eigen::Vector2i(part.x + part.width, part.y + part.height));
-    }
-    return {box.min().x(), box.min().y(), box.sizes().x(), box.sizes().y()};
-  }
-  std::future<Result<FilmInstant>> load(std::size_t picture) {
-    return std::async(std::launch::async, [this, picture]() -> Result<FilmInstant> {
-      const std::vector<View> views = views_from(picture);
-      SceneLoader::Choose choose;
-      if (choosy_) choose = [&](const Mesh& mesh) { return drawn_in(mesh, views); };
-      FilmInstant instant;
-      Result<SceneFrame> scene = loader_.load(schedule_[picture], choose, &instant.chosen);
-      if (!scene) return forward(scene);
-      instant.scene = std::move(*scene);
-      if (!instant.chosen) return instant;
-      for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
-        if (instant.scene.images.frames[i].empty()) continue;
-        Result<FilmInstant::Picture> picture_of =
-            cut(instant.scene, i, drawn_of(rig_.cameras[i], instant.scene.mesh, views));
-        if (!picture_of) return forward(picture_of);
-        instant.pictures.push_back(std::move(*picture_of));
-        instant.scene.images.frames[i] = {};  // what was cut out is a copy
+      for (const int camera : render::drawn_from(rig_, mesh, view, options_.renderer.cameras)) {
+        std::vector<PixelBox>& of_one = parts[static_cast<std::size_t>(camera)];
+        if (of_one.empty()) of_one = drawn_of(rig_.cameras[static_cast<std::size_t>(camera)], mesh, views);
       }
-      return instant;
+    return parts;
+  }
+  std::vector<PixelBox> drawn_of(const RigCamera& camera, const Mesh& mesh,
+                                 const std::vector<View>& views) const {
+    if (options_.renderer.back_end != render::BackEnd::Cpu)
+      return {{0, 0, camera.model.width, camera.model.height}};
+    std::vector<PixelBox> boxes;
+    for (const std::string& method : options_.methods) {
+      const std::vector<PixelBox> parts = render::parts_drawn_from(camera, mesh, views, method);
+      boxes.insert(boxes.end(), parts.begin(), parts.end());
+    }
+    return boxes;
+  }
+  std::future<Result<DrawnScene>> load(std::size_t picture) {
+    return std::async(std::launch::async, [this, picture]() -> Result<DrawnScene> {
+      if (choosy_) {
+        const std::vector<View> views = views_from(picture);
+        return loader_.load_parts(schedule_[picture],
+                                  [&](const Mesh& mesh) { return drawn_in(mesh, views); });
+      }
+      Result<SceneFrame> scene = loader_.load(schedule_[picture]);
+      if (!scene) return forward(scene);
+      return DrawnScene(std::move(*scene));
     });
   }
 
@@ -195,7 +164,7 @@ class SceneStream {
   SceneLoader loader_;
   const std::vector<int>& schedule_;
   const std::vector<std::vector<View>>& views_;  // of a picture
-  std::future<Result<FilmInstant>> next_;
+  std::future<Result<DrawnScene>> next_;
 };
 
 using Renderers = std::vector<std::unique_ptr<render::ViewRenderer>>;
@@ -256,9 +225,14 @@ Image over(const Image& rgba, const std::array<float, 3>& background) {
   for (std::size_t c = 0; c < 3; ++c) under[c] = static_cast<int>(std::lround(background[c] * 255.f));
   const std::uint8_t* from = rgba.pixels.data();
   std::uint8_t* to = rgb.pixels.data();
-  for (std::size_t i = 0; i < pixels; ++i, from += 4, to += 3)
+  for (std::size_t i = 0; i < pixels; ++i, from += 4, to += 3) {
+    const int alpha = from[3];
     for (std::size_t c = 0; c < 3; ++c)
-      to[c] = static_cast<std::uint8_t>((from[c] * from[3] + under[c] * (255 - from[3]) + 127) / 255);
+      to[c] = static_cast<std::uint8_t>(alpha == 0 ? under[c]
+                                        : alpha == 255
+                                            ? from[c]
+                                            : (from[c] * alpha + under[c] * (255 - alpha) + 127) / 255);
+  }
   return rgb;
 }
 
@@ -344,7 +318,7 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
     auto in_frame = [&](const Error& e) { return fail(e.code, text("frame ", frames[p], ": ", e.message)); };
     const Watch::time_point drawing = Watch::now();
     if (p == 0 || frames[p] != frames[p - 1]) {
-      Result<FilmInstant> scene = scenes.at(p);
+      Result<DrawnScene> scene = scenes.at(p);
       if (!scene) return forward(scene);
       if (Result<void> ok = set_scene(*rig, *scene, drawn); !ok) return in_frame(ok.error());
       if (with_fields)

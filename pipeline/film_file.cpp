@@ -1,6 +1,7 @@
 #include "pipeline/film_file.h"
 
 #include <algorithm>
+#include <future>
 #include <utility>
 
 #include "core/text.h"
@@ -63,6 +64,37 @@ class PartWriter {
   const std::vector<Todo>& todo_;
   std::size_t at_ = 0;
   std::unique_ptr<PictureSink> sink_;
+};
+
+// Makes the film's pictures of what was drawn and writes them, each while the next one is drawn.
+class WriterBehind {
+ public:
+  WriterBehind(FilmParts& parts, const std::vector<Todo>& todo, const FilmOptions& options, bool with_opacity)
+      : writer_(parts, todo), options_(options), with_opacity_(with_opacity) {}
+
+  /// The error, if any, is that of the picture before.
+  Result<void> write(FilmPicture picture) {
+    if (Result<void> ok = wait(); !ok) return ok;
+    last_ = std::async(std::launch::async, [this, drawn = std::move(picture)] {
+      return writer_.write(drawn.index, shown(drawn.renders));
+    });
+    return {};
+  }
+  Result<void> wait() { return last_.valid() ? last_.get() : Result<void>(); }
+
+ private:
+  Image shown(const std::vector<Image>& renders) const {
+    if (with_opacity_) return tiled(renders, options_.array);
+    std::vector<Image> pictures;
+    for (const Image& rgba : renders) pictures.push_back(over(rgba, options_.renderer.background));
+    return options_.array.views > 1 ? tiled(pictures, options_.array)
+                                    : side_by_side(pictures, options_.methods);
+  }
+
+  PartWriter writer_;
+  const FilmOptions& options_;
+  const bool with_opacity_;
+  std::future<Result<void>> last_;  // ends before what it writes with
 };
 
 // What of the film is to be drawn, in order; counts what is there.
@@ -134,15 +166,12 @@ Result<FilmFileReport> render_film_file(capture::TakeReader& take, const CameraP
     for (int i = 0; i < (*parts)->parts()[one.part].count; ++i)
       options->pictures.push_back((*parts)->parts()[one.part].first + i);
   if (!todo->empty()) {
-    PartWriter writer(**parts, *todo);
-    Result<FilmReport> drawn = render_film(take, path, *options, [&](FilmPicture picture) {
-      if (file.with_opacity) return writer.write(picture.index, tiled(picture.renders, options->array));
-      std::vector<Image> pictures;
-      for (const Image& rgba : picture.renders) pictures.push_back(over(rgba, options->renderer.background));
-      return writer.write(picture.index, options->array.views > 1 ? tiled(pictures, options->array)
-                                                                  : side_by_side(pictures, options->methods));
-    });
+    WriterBehind writer(**parts, *todo, *options, file.with_opacity);
+    const Result<FilmReport> drawn = render_film(
+        take, path, *options, [&](FilmPicture picture) { return writer.write(std::move(picture)); });
+    const Result<void> written = writer.wait();
     if (!drawn) return forward(drawn);
+    if (!written) return forward(written);
     report.film = *drawn;
     report.done += static_cast<int>(todo->size());
   }

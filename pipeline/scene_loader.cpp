@@ -16,6 +16,8 @@
 namespace floatstage::pipeline {
 namespace {
 
+constexpr int kShared = 2;  // px about a part whose pixels' colours are made of their neighbours', too
+
 // Nothing for a camera without a matte.
 Result<Matte> load_matte(const capture::TakeReader& take, std::size_t camera,
                          const std::filesystem::path& file, bool decode, std::string& hash) {
@@ -69,6 +71,12 @@ std::string process_command(const TakeLayout& layout) {
   for (const std::string& label : layout.labels())
     command += (&label == &layout.labels().front() ? " --label " : ",") + label;
   return command;
+}
+
+Image cut(const Matte& matte, const PixelBox& box) {
+  Image alpha(box.width, box.height, 1);
+  for (int y = 0; y < box.height; ++y) std::copy_n(matte.row(box.y + y) + box.x, box.width, alpha.at(0, y));
+  return alpha;
 }
 
 }  // namespace
@@ -134,21 +142,36 @@ Result<std::shared_ptr<const matting::Keyer>> SceneLoader::keyer(std::size_t cam
   return kept.keyer;
 }
 
-Result<void> SceneLoader::take_spill_off(FrameSet& images) {
+// Null where the cloth's cast stays.
+Result<std::shared_ptr<const MatteRecord>> SceneLoader::spill() {
+  if (!suppress_spill_) return std::shared_ptr<const MatteRecord>();
   const TakeLayout& layout = take_.layout();
-  const auto made = record(mattes_, layout.made_mattes(), layout.mattes_journal(), load_matte_record);
+  return record(mattes_, layout.made_mattes(), layout.mattes_journal(), load_matte_record);
+}
+
+bool SceneLoader::has_spill(const std::shared_ptr<const MatteRecord>& made, std::size_t camera) const {
+  if (!made) return false;
+  const auto entry = made->find(take_.rig().cameras[camera].serial);
+  return entry != made->end() && entry->second.key.starts_with("chroma:");
+}
+
+Result<Image> SceneLoader::clean(const MatteRecord& made, std::size_t camera, const Frame& frame) {
+  const auto backing = keyer(camera, made.find(take_.rig().cameras[camera].serial)->second.key);
+  return backing ? (*backing)->suppress_spill(frame) : Result<Image>(forward(backing));
+}
+
+Result<void> SceneLoader::take_spill_off(FrameSet& images) {
+  const Result<std::shared_ptr<const MatteRecord>> made = spill();
   if (!made) return forward(made);
   std::vector<Result<void>> cleaned(images.frames.size());
   parallel_for(cleaned.size(), 0, [&](std::size_t i) {
     Frame& frame = images.frames[i];
-    const auto camera = (*made)->find(take_.rig().cameras[i].serial);
-    if (frame.empty() || camera == (*made)->end() || !camera->second.key.starts_with("chroma:")) return;
-    const auto backing = keyer(i, camera->second.key);
-    const Result<Image> clean = backing ? (*backing)->suppress_spill(frame) : Result<Image>(forward(backing));
-    if (clean)
-      frame = make_frame(frame.info, *clean);
+    if (frame.empty() || !has_spill(*made, i)) return;
+    const Result<Image> clear = clean(**made, i, frame);
+    if (clear)
+      frame = make_frame(frame.info, *clear);
     else
-      cleaned[i] = forward(clean);
+      cleaned[i] = forward(clear);
   });
   for (const Result<void>& ok : cleaned)
     if (!ok) return ok;
@@ -170,66 +193,86 @@ Result<void> SceneLoader::check_age(int frame, const MatteHashes& mattes) {
                    *newer, "'; run `", process_command(layout), "`"));
 }
 
-// Of `cameras`; of all, and `cameras` says so, when not every camera has one.
-Result<FrameSet> SceneLoader::photographs(int frame, std::vector<bool>& cameras) {
-  const auto here = static_cast<std::size_t>(frame);
-  for (std::size_t i = 0; i < take_.rig().cameras.size() && !cameras.empty(); ++i) {
-    const std::vector<FrameRow>& rows = take_.rows(static_cast<int>(i));
-    if (here >= rows.size() || !rows[here].media_index) cameras.clear();
-  }
-  if (cameras.empty()) return take_.frame_set(frame);
-  FrameSet set;
-  set.frames.resize(cameras.size());
-  std::vector<Result<void>> read(cameras.size());
-  parallel_for(cameras.size(), 0, [&](std::size_t i) {
-    if (!cameras[i]) return;
-    Result<Frame> photograph = take_.frame(static_cast<int>(i), frame);
-    if (photograph)
-      set.frames[i] = std::move(*photograph);
-    else
-      read[i] = forward(photograph);
-  });
-  bool missing = false;
-  std::optional<Timestamp> earliest;
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    if (!read[i]) return forward(read[i]);
-    if (!cameras[i]) continue;
-    const Timestamp exposed = set.frames[i].info.exposure_start;
-    missing |= set.frames[i].empty();
-    earliest = earliest ? std::min(*earliest, exposed) : exposed;
-  }
-  if (missing || !earliest) {
-    cameras.clear();
-    return take_.frame_set(frame);
-  }
-  set.time = *earliest;
-  return set;
+Result<Mesh> SceneLoader::mesh(int frame) const {
+  Result<Mesh> mesh = load_ply(take_.layout().mesh(frame));
+  if (!mesh && mesh.error().code == ErrorCode::NotFound)
+    return fail(ErrorCode::NotFound, text("frame ", frame, " of ", take_.layout().folder().string(),
+                                          " has no mesh yet; run `", process_command(take_.layout()), "`"));
+  return mesh;
 }
 
-Result<SceneFrame> SceneLoader::load(int frame, const Choose& choose, bool* chosen) {
-  SceneFrame scene;
-  Result<Mesh> mesh = load_ply(take_.layout().mesh(frame));
-  const std::string folder = take_.layout().folder().string();
-  if (!mesh && mesh.error().code == ErrorCode::NotFound)
-    return fail(ErrorCode::NotFound, text("frame ", frame, " of ", folder, " has no mesh yet; run `",
-                                          process_command(take_.layout()), "`"));
+Result<SceneFrame> SceneLoader::load(int frame) {
+  Result<Mesh> mesh = this->mesh(frame);
   if (!mesh) return forward(mesh);
-  scene.mesh = std::move(*mesh);
-  std::vector<bool> cameras = choose && !scene.mesh.empty() ? choose(scene.mesh) : std::vector<bool>();
-  Result<FrameSet> images = photographs(frame, cameras);
+  Result<FrameSet> images = take_.frame_set(frame);
   if (!images) return forward(images);
-  scene.images = std::move(*images);
   MatteHashes hashes;
-  Result<std::vector<Matte>> mattes = load_mattes(take_, frame, &hashes, cameras);
+  Result<std::vector<Matte>> mattes = load_mattes(take_, frame, &hashes);
   if (!mattes) return forward(mattes);
   if (Result<void> ok = check_age(frame, hashes); !ok) return forward(ok);
-  for (std::size_t i = 0; i < cameras.size(); ++i)
-    if (cameras[i] && (*mattes)[i].empty()) return load(frame, {}, chosen);
-  if (chosen) *chosen = !cameras.empty();
-  scene.mattes = std::move(*mattes);
-  if (suppress_spill_)
-    if (Result<void> ok = take_spill_off(scene.images); !ok) return forward(ok);
-  return scene;
+  if (Result<void> ok = take_spill_off(*images); !ok) return forward(ok);
+  return SceneFrame{std::move(*images), std::move(*mattes), std::move(*mesh)};
+}
+
+bool SceneLoader::all_have_pictures(int frame) const {
+  const auto here = static_cast<std::size_t>(frame);
+  for (std::size_t i = 0; i < take_.rig().cameras.size(); ++i) {
+    const std::vector<FrameRow>& rows = take_.rows(static_cast<int>(i));
+    if (here >= rows.size() || !rows[here].media_index) return false;
+  }
+  return true;
+}
+
+// Without its matte, and without a picture where that is damaged.
+Result<PhotographPart> SceneLoader::part(int frame, std::size_t camera, std::vector<PixelBox> boxes,
+                                         const std::shared_ptr<const MatteRecord>& made) {
+  const PixelFormat format = take_.manifest().cameras[camera].format;
+  if (format != PixelFormat::Gray8 && format != PixelFormat::Rgb8)
+    for (PixelBox& box : boxes)
+      box = {box.x - kShared, box.y - kShared, box.width + 2 * kShared, box.height + 2 * kShared};
+  PhotographPart part;
+  part.camera = static_cast<int>(camera);
+  const Result<Frame> pixels = take_.part(part.camera, frame, boxes, part.box);
+  if (!pixels) return forward(pixels);
+  if (pixels->empty()) return part;
+  Result<Image> photograph = has_spill(made, camera) ? clean(*made, camera, *pixels) : to_rgb(*pixels);
+  if (!photograph) return forward(photograph);
+  part.photograph = std::move(*photograph);
+  return part;
+}
+
+Result<DrawnScene> SceneLoader::load_parts(int frame, const Choose& choose) {
+  const auto whole = [&]() -> Result<DrawnScene> {
+    Result<SceneFrame> scene = load(frame);
+    if (!scene) return forward(scene);
+    return DrawnScene(std::move(*scene));
+  };
+  Result<Mesh> mesh = this->mesh(frame);
+  if (!mesh) return forward(mesh);
+  if (mesh->empty() || !all_have_pictures(frame)) return whole();
+  const std::vector<std::vector<PixelBox>> boxes = choose(*mesh);
+  std::vector<bool> cameras;
+  for (const std::vector<PixelBox>& of_one : boxes) cameras.push_back(!of_one.empty());
+  MatteHashes hashes;
+  const Result<std::vector<Matte>> mattes = load_mattes(take_, frame, &hashes, cameras);
+  if (!mattes) return forward(mattes);
+  if (Result<void> ok = check_age(frame, hashes); !ok) return forward(ok);
+  const Result<std::shared_ptr<const MatteRecord>> made = spill();
+  if (!made) return forward(made);
+  std::vector<Result<PhotographPart>> read(boxes.size(), PhotographPart());
+  parallel_for(boxes.size(), 0, [&](std::size_t i) {
+    if (cameras[i] && !(*mattes)[i].empty()) read[i] = part(frame, i, boxes[i], *made);
+  });
+  SceneParts parts;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (!cameras[i]) continue;
+    if (!read[i]) return forward(read[i]);
+    if (read[i]->photograph.empty()) return whole();
+    read[i]->matte = cut((*mattes)[i], read[i]->box);
+    parts.photographs.push_back(std::move(*read[i]));
+  }
+  parts.mesh = std::move(*mesh);
+  return DrawnScene(std::move(parts));
 }
 
 Result<Rig> rig_with_colors(const capture::TakeReader& take) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -29,6 +30,23 @@ Result<std::vector<Matte>> load_mattes(const capture::TakeReader& take, int fram
 /// load_mattes() gives theirs alone.
 Result<std::vector<Matte>> load_sums(const capture::TakeReader& take, int frame);
 
+/// The part of one camera's photograph, and of its matte, in which what is drawn lies.
+struct PhotographPart {
+  int camera = -1;   ///< index into Rig::cameras
+  PixelBox box;      ///< px, where in the photograph
+  Image photograph;  ///< RGB
+  Image matte;       ///< 1 channel, same size
+};
+
+/// What some views of an instant are drawn from.
+struct SceneParts {
+  Mesh mesh;
+  std::vector<PhotographPart> photographs;  ///< in the rig's order
+};
+
+/// As much of an instant as there is to draw.
+using DrawnScene = std::variant<SceneFrame, SceneParts>;
+
 /// Photographs, mattes and mesh of instants of a processed take. What is the same for all of them (the
 /// records of meshes and mattes, the keyers that take the cloth's cast off) is read or made once, and again
 /// when its files have changed. Thread safe; the cameras of an instant are worked on by all cores.
@@ -39,13 +57,17 @@ class SceneLoader {
   SceneLoader(capture::TakeReader& take, bool suppress_spill)
       : take_(take), suppress_spill_(suppress_spill), keyers_(take.rig().cameras.size()) {}
 
-  /// Which cameras a scene with this mesh is drawn from (render::drawn_from()); one entry a camera.
-  using Choose = std::function<std::vector<bool>(const Mesh&)>;
-
   /// NotFound says which stage is missing and how to run it: no mesh, or one that is older than a matte of
-  /// its instant. With `choose`, photographs and mattes of the chosen cameras alone are decoded, and `chosen`
-  /// says so; of all where some camera has no picture or one of the chosen no matte.
-  Result<SceneFrame> load(int frame, const Choose& choose = {}, bool* chosen = nullptr);
+  /// its instant.
+  Result<SceneFrame> load(int frame);
+
+  /// Which parts of each camera's photograph a scene with this mesh is drawn from (render/drawn_from.h), none
+  /// where it does not need it; one entry a camera.
+  using Choose = std::function<std::vector<std::vector<PixelBox>>(const Mesh&)>;
+  /// The chosen parts alone, and no more is decoded for them than has to be (TakeReader::part()): around them
+  /// a photograph may be anything. The whole scene where some camera has no picture, or one of the chosen no
+  /// matte. Errors as above.
+  Result<DrawnScene> load_parts(int frame, const Choose& choose);
 
  private:
   template <class Record>
@@ -63,8 +85,14 @@ class SceneLoader {
                                                const std::filesystem::path& journal, const Load& load);
   Result<std::shared_ptr<const matting::Keyer>> keyer(std::size_t camera, const std::string& key);
   Result<void> check_age(int frame, const MatteHashes& mattes);
+  Result<Mesh> mesh(int frame) const;
+  Result<std::shared_ptr<const MatteRecord>> spill();
+  bool has_spill(const std::shared_ptr<const MatteRecord>& made, std::size_t camera) const;
+  Result<Image> clean(const MatteRecord& made, std::size_t camera, const Frame& frame);
   Result<void> take_spill_off(FrameSet& images);
-  Result<FrameSet> photographs(int frame, std::vector<bool>& cameras);
+  bool all_have_pictures(int frame) const;
+  Result<PhotographPart> part(int frame, std::size_t camera, std::vector<PixelBox> boxes,
+                              const std::shared_ptr<const MatteRecord>& made);
 
   capture::TakeReader& take_;
   const bool suppress_spill_;

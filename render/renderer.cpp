@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <optional>
 
 #include <epoxy/gl.h>
@@ -29,6 +30,7 @@ constexpr double kWidestFilter = 512;   // px
 constexpr double kMostUncertain = 0.5;  // of the diagonal: the subject's own size
 constexpr double kLargestRadius = 64;   // px; distances are stored in bytes
 constexpr double kAround = 4;           // px: edges are straight between corners, what the lens bends is not
+constexpr int kBand = 16;               // rows
 constexpr double kSpline = 2;           // pixels to each side that it looks at
 
 // The table of renderers: one line each.
@@ -126,22 +128,16 @@ std::vector<int> drawn_from(const Rig& rig, const Mesh& mesh, const View& view, 
   return {choice.listed.begin(), choice.listed.end()};
 }
 
-PixelBox part_drawn_from(const RigCamera& camera, const Mesh& mesh, std::span<const View> views,
-                         std::string_view method) {
+std::vector<PixelBox> parts_drawn_from(const RigCamera& camera, const Mesh& mesh, std::span<const View> views,
+                                       std::string_view method) {
   const CameraModel& m = camera.model;
-  const PixelBox whole{0, 0, m.width, m.height};
+  const std::vector<PixelBox> whole{{0, 0, m.width, m.height}};
   const auto* entry = std::find_if(std::begin(kRenderers), std::end(kRenderers),
                                    [&](const Entry& e) { return method == e.name; });
   if (entry == std::end(kRenderers) || !entry->reads_proxy_alone || mesh.empty()) return whole;
   int deepest = 0;
   const Eigen::AlignedBox3f bounds = bounding_box(mesh);
   for (const View& view : views) deepest = std::max(deepest, deepest_level(camera, view, bounds));
-  Eigen::AlignedBox2d box;
-  for (const Eigen::Vector3f& p : mesh.positions) {
-    const std::optional<Eigen::Vector2d> pixel = project(m, camera.cam_from_world * p.cast<double>());
-    if (!pixel) return whole;
-    box.extend(*pixel);
-  }
   // Whole pixels of the coarsest level that is read, and of them those that a spline looks at.
   const double cell = 1 << deepest;
   const auto low = [&](double v, int size) {
@@ -152,8 +148,39 @@ PixelBox part_drawn_from(const RigCamera& camera, const Mesh& mesh, std::span<co
     const double end = cell * (std::ceil((v + kAround) / cell) + kSpline);
     return static_cast<int>(std::clamp<double>(end, first + 1, size));
   };
-  const int x = low(box.min().x(), m.width), y = low(box.min().y(), m.height);
-  return {x, y, high(box.max().x(), x, m.width) - x, high(box.max().y(), y, m.height) - y};
+  struct Reach {
+    int left, top, right, bottom;
+  };
+  std::vector<Reach> reaches;  // of each corner
+  reaches.reserve(mesh.positions.size());
+  for (const Eigen::Vector3f& p : mesh.positions) {
+    const std::optional<Eigen::Vector2d> pixel = project(m, camera.cam_from_world * p.cast<double>());
+    if (!pixel) return whole;
+    const int left = low(pixel->x(), m.width), top = low(pixel->y(), m.height);
+    reaches.push_back({left, top, high(pixel->x(), left, m.width), high(pixel->y(), top, m.height)});
+  }
+  struct Columns {
+    int left = std::numeric_limits<int>::max(), right = 0;
+  };
+  std::vector<Columns> bands(static_cast<std::size_t>((m.height + kBand - 1) / kBand));
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
+    const Reach &a = reaches[mesh.triangles[t]], &b = reaches[mesh.triangles[t + 1]],
+                &c = reaches[mesh.triangles[t + 2]];
+    const int left = std::min({a.left, b.left, c.left}), right = std::max({a.right, b.right, c.right});
+    const int last = (std::max({a.bottom, b.bottom, c.bottom}) - 1) / kBand;
+    for (int band = std::min({a.top, b.top, c.top}) / kBand; band <= last; ++band) {
+      Columns& columns = bands[static_cast<std::size_t>(band)];
+      columns.left = std::min(columns.left, left);
+      columns.right = std::max(columns.right, right);
+    }
+  }
+  std::vector<PixelBox> parts;
+  for (std::size_t band = 0; band < bands.size(); ++band) {
+    const int y = static_cast<int>(band) * kBand;
+    if (const auto& [left, right] = bands[band]; left < right)
+      parts.push_back({left, y, right - left, std::min(kBand, m.height - y)});
+  }
+  return parts;
 }
 
 std::vector<int> needed_cameras(const Rig& rig, const Mesh& mesh, const View& view, int count) {

@@ -2,6 +2,7 @@
 // first byte.
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 
 #include <sys/mman.h>
@@ -25,6 +26,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       const auto picture = (*track)->picture(i);
       FLOATSTAGE_CHECK(picture || picture.error().code == ErrorCode::BadData, "an error of another kind");
       FLOATSTAGE_CHECK(!picture || *picture != nullptr, "no pixels and no error");
+      const auto part = (*track)->part(i, std::array{PixelBox{static_cast<int>(i % 4), 2, 3, 4}});
+      FLOATSTAGE_CHECK(part || part.error().code == ErrorCode::BadData, "an error of another kind");
     }
   }
   ::close(fd);

@@ -83,9 +83,11 @@ TEST_F(AFilm, DrawsFromPartsOfPhotographsWhatWholeOnesGive) {
     for (const FilmPicture& picture : pictures) {
       const Mesh mesh = SceneLoader(*take_, false).load(picture.frame)->mesh;
       for (std::size_t m = 0; m < film_.methods.size(); ++m) {
-        const PixelBox part = render::part_drawn_from(take_->rig().cameras[0], mesh,
-                                                      std::span(&picture.view, 1), film_.methods[m]);
-        EXPECT_LT(part.width * part.height, 160 * 120 * 2 / 3) << film_.methods[m];
+        int pixels = 0;
+        for (const PixelBox& part : render::parts_drawn_from(take_->rig().cameras[0], mesh,
+                                                             std::span(&picture.view, 1), film_.methods[m]))
+          pixels += part.width * part.height;
+        EXPECT_LT(pixels, 160 * 120 / 2) << film_.methods[m];
         EXPECT_EQ(picture.renders[m].pixels, alone(picture, film_.methods[m]).pixels) << film_.methods[m];
       }
     }
@@ -96,8 +98,8 @@ TEST_F(AFilm, TakesWholePhotographsForMethodsThatLookBeyondTheProxy) {
   const Mesh mesh = SceneLoader(*take_, false).load(0)->mesh;
   const View view = shoot().front().view;
   for (const char* method : {"filtered", "band-limited", "floating-static"})
-    EXPECT_EQ(render::part_drawn_from(take_->rig().cameras[0], mesh, std::span(&view, 1), method),
-              (PixelBox{0, 0, 160, 120}))
+    EXPECT_THAT(render::parts_drawn_from(take_->rig().cameras[0], mesh, std::span(&view, 1), method),
+                testing::ElementsAre(PixelBox{0, 0, 160, 120}))
         << method;
 }
 
@@ -138,16 +140,34 @@ TEST_F(AFilm, DrawsAllPhotographsWhereOneIsMissing) {
     EXPECT_EQ(picture.renders[0].pixels, alone(picture).pixels) << picture.index;
 }
 
-TEST_F(AFilm, LoadsWhatWasChosenAndSaysSo) {
-  bool chosen = false;
+// Of the first and the fourth of six cameras parts.
+std::vector<std::vector<PixelBox>> parts_of_two(const Mesh&) {
+  return {{{40, 30, 50, 60}}, {}, {}, {{60, 10, 40, 30}, {50, 40, 20, 50}}, {}, {}};
+}
+
+TEST_F(AFilm, LoadsThePartsThatWereChosen) {
   SceneLoader loader(*take_, true);
-  const auto two = [](const Mesh&) { return std::vector<bool>{true, false, false, true, false, false}; };
-  const Result<SceneFrame> scene = loader.load(0, two, &chosen);
+  const SceneFrame whole = *loader.load(0);
+  const auto scene = loader.load_parts(0, parts_of_two);
   ASSERT_THAT(scene, IsOk());
-  EXPECT_TRUE(chosen);
-  for (std::size_t i = 0; i < 6; ++i) {
-    EXPECT_EQ(scene->images.frames[i].empty(), i % 3 != 0) << i;
-    EXPECT_EQ(scene->mattes[i].empty(), i % 3 != 0) << i;
+  const SceneParts& parts = std::get<SceneParts>(*scene);
+  EXPECT_EQ(parts.mesh.positions, whole.mesh.positions);
+  ASSERT_EQ(parts.photographs.size(), 2u);
+  for (const PhotographPart& part : parts.photographs) {
+    const auto camera = static_cast<std::size_t>(part.camera);
+    EXPECT_TRUE(camera == 0 || camera == 3) << camera;
+    const std::vector<PixelBox> boxes = parts_of_two({})[camera];
+    EXPECT_EQ(part.box, around(boxes));
+    const Image photograph = to_rgb(whole.images.frames[camera]).value();
+    for (const PixelBox& box : boxes)
+      for (int y = box.y; y < box.y + box.height; ++y)
+        ASSERT_EQ(std::memcmp(part.photograph.at(box.x - part.box.x, y - part.box.y), photograph.at(box.x, y),
+                              3 * static_cast<std::size_t>(box.width)),
+                  0)
+            << camera << ", row " << y;
+    for (int y = 0; y < part.box.height; ++y)
+      for (int x = 0; x < part.box.width; ++x)
+        ASSERT_EQ(*part.matte.at(x, y), whole.mattes[camera].row(part.box.y + y)[part.box.x + x]);
   }
 }
 
@@ -155,8 +175,7 @@ TEST_F(AFilm, TellsWhenASilhouetteIsNewerThanTheMeshEvenWhereItIsNotDrawn) {
   const std::filesystem::path matte = TakeLayout(path_).matte("cam01", 0);
   const std::filesystem::path other = TakeLayout(path_).matte("cam02", 0);
   std::filesystem::copy_file(other, matte, std::filesystem::copy_options::overwrite_existing);
-  const auto first = [](const Mesh&) { return std::vector<bool>{true, false, false, false, false, false}; };
-  EXPECT_THAT(SceneLoader(*take_, true).load(0, first), FailsWith(ErrorCode::NotFound, "cam01"));
+  EXPECT_THAT(SceneLoader(*take_, true).load_parts(0, parts_of_two), FailsWith(ErrorCode::NotFound, "cam01"));
 }
 
 TEST_F(AFilm, SaysWhatTheStagesOfOpenGlTakeWhereThatIsAsked) {
