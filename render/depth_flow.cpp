@@ -34,6 +34,16 @@ void halve(const SplitPlane& fine, const SplitPlane& inside, SplitPlane& coarse,
   }
 }
 
+// Calls body(y, band) for all rows, on so many threads as there are bands.
+template <class Body>
+void for_rows_in_bands(int height, int threads, const Body& body) {
+  const int bands = std::max(1, std::min(height, threads));
+  parallel_for(at(bands), threads, [&](std::size_t band) {
+    const int k = static_cast<int>(band);
+    for (int y = height * k / bands; y < height * (k + 1) / bands; ++y) body(y, band);
+  });
+}
+
 }  // namespace
 
 void DepthFlow::find_pairs(const Parallaxes& parallaxes) {
@@ -50,16 +60,16 @@ void DepthFlow::find_pairs(const Parallaxes& parallaxes) {
 }
 
 // Where there is something, and how stiff it is: as all pictures say.
-void DepthFlow::lay_out_surface(int l) {
+void DepthFlow::lay_out_surface(int l, int threads) {
   Level& level = levels_[at(l)];
   const std::size_t count = level.pictures.size();
   const PictureLevel& first = *level.pictures[0];
   level.inside.resize(first.width, first.height);
   level.stiffness.resize(first.width, first.height);
-  std::vector<float>& row = rows_[0];
-  row.resize(at(first.width));
   const float even = 1 / static_cast<float>(count);
-  for (int y = 0; y < first.height; ++y) {
+  for_rows_in_bands(first.height, threads, [&](int y, std::size_t band) {
+    std::vector<float>& row = rows_[band];
+    row.resize(at(first.width));
     const std::uint8_t* zone = first.zone.data() + first.at(0, y);
     for (int x = 0; x < first.width; ++x) row[at(x)] = zone[x] == PictureLevel::kDomain ? 1.F : 0.F;
     split_row(row.data(), first.width, 1, level.inside.row(y));
@@ -74,7 +84,7 @@ void DepthFlow::lay_out_surface(int l) {
       out.even[i] = even * sum_even;
       out.odd[i] = even * sum_odd;
     }
-  }
+  });
 }
 
 void DepthFlow::lay_out_directions(const Parallaxes& parallaxes, std::size_t image, int levels) {
@@ -102,20 +112,22 @@ void DepthFlow::lay_out(const ProjectedImages& images, const Parallaxes& paralla
                         int threads) {
   const std::size_t count = images.gray.size();
   pyramids_.resize(std::max(pyramids_.size(), count));
-  rows_.resize(std::max(rows_.size(), count));
+  rows_.resize(std::max({rows_.size(), count, at(threads)}));
   levels_.resize(std::max(levels_.size(), at(levels)));
   PyramidOptions options;
   options.stiffness = kStiffness;
   parallel_for(count, threads, [&](std::size_t i) {
-    pyramids_[i].build({images.width, images.height, images.gray[i].data(), images.state[i].data()}, levels,
-                       options);
+    pyramids_[i].shrink({images.width, images.height, images.gray[i].data(), images.state[i].data()}, levels);
   });
+  // The large levels first: they are shared out evenly.
+  parallel_for(count * at(levels), threads,
+               [&](std::size_t k) { pyramids_[k % count].finish(static_cast<int>(k / count), options); });
   for (int l = 0; l < levels; ++l) {
     Level& level = levels_[at(l)];
     level.pictures.resize(count);
     level.directions.resize(std::max(level.directions.size(), count));
     for (std::size_t i = 0; i < count; ++i) level.pictures[i] = &pyramids_[i].level(l);
-    lay_out_surface(l);
+    lay_out_surface(l, threads);
   }
   parallel_for(count, threads, [&](std::size_t i) { lay_out_directions(parallaxes, i, levels); });
 }
@@ -140,20 +152,23 @@ void DepthFlow::warp(const SolverOptions& options, int l, int threads) {
   });
 }
 
-void DepthFlow::hand_out() {
+void DepthFlow::hand_out(int threads) {
   // Nothing is known off the proxy, where the filling goes on by itself.
   const SplitPlane& e = levels_[0].e;
   e_.resize(known_.size());
-  for (int y = 0; y < e.height(); ++y) join_row(e.row(y), e.width(), e_.data() + at(y) * at(e.width()));
+  for_rows_in_bands(e.height(), threads, [&](int y, std::size_t) {
+    join_row(e.row(y), e.width(), e_.data() + at(y) * at(e.width()));
+  });
 }
 
 Result<void> DepthFlow::estimate(const ProjectedImages& images, const Parallaxes& parallaxes,
-                                 const FlowOptions& flow, int threads, Interruption* interruption) {
+                                 const FlowOptions& flow, int wanted_threads, Interruption* interruption) {
   const Result<VariationalPreset> preset = variational_preset(flow);
   if (!preset) return forward(preset);
   const auto ended = [&] { return interruption != nullptr && interruption->given_up(); };
   const SolverOptions& options = preset->solver;
-  sweeps_.resize(std::max(sweeps_.size(), at(threads > 0 ? threads : default_threads())));
+  const int threads = wanted_threads > 0 ? wanted_threads : default_threads();
+  sweeps_.resize(std::max(sweeps_.size(), at(threads)));
   find_pairs(parallaxes);
   const int levels = variational_levels(images.width, images.height, options.finest);
   lay_out(images, parallaxes, levels, threads);
@@ -168,7 +183,7 @@ Result<void> DepthFlow::estimate(const ProjectedImages& images, const Parallaxes
   }
   if (ended()) return given_up();
   judge_.run(problem(options, 0), threads, known_);
-  hand_out();
+  hand_out(threads);
   fill_.run(images.width, images.height, 1, known_.data(), e_.data());
   return {};
 }

@@ -43,18 +43,18 @@ class DepthFlow {
   };
   void find_pairs(const Parallaxes& parallaxes);
   void lay_out(const ProjectedImages& images, const Parallaxes& parallaxes, int levels, int threads);
-  void lay_out_surface(int level);
+  void lay_out_surface(int level, int threads);
   void lay_out_directions(const Parallaxes& parallaxes, std::size_t image, int levels);
   DepthSweep::Problem problem(const SolverOptions& options, int level);
   void warp(const SolverOptions& options, int level, int threads);
-  void hand_out();
+  void hand_out(int threads);
 
   static constexpr std::size_t kMostWarps = 8;  // of a level
 
   std::vector<PicturePyramid> pyramids_;
   std::vector<Level> levels_;
   std::vector<DepthPairShare> pairs_;
-  std::vector<std::vector<float>> rows_;  // scratch, one an image
+  std::vector<std::vector<float>> rows_;  // scratch, one an image or a thread
   std::vector<DepthSweep> sweeps_;        // one a thread
   std::array<RowProgress, kMostWarps> progress_;
   Enlargement enlargement_;

@@ -151,13 +151,13 @@ std::vector<PixelBox> parts_drawn_from(const RigCamera& camera, const Mesh& mesh
   struct Reach {
     int left, top, right, bottom;
   };
+  const auto corners = project_all(m, camera.cam_from_world, mesh.positions);
+  if (!corners) return whole;
   std::vector<Reach> reaches;  // of each corner
-  reaches.reserve(mesh.positions.size());
-  for (const Eigen::Vector3f& p : mesh.positions) {
-    const std::optional<Eigen::Vector2d> pixel = project(m, camera.cam_from_world * p.cast<double>());
-    if (!pixel) return whole;
-    const int left = low(pixel->x(), m.width), top = low(pixel->y(), m.height);
-    reaches.push_back({left, top, high(pixel->x(), left, m.width), high(pixel->y(), top, m.height)});
+  reaches.reserve(corners->size());
+  for (const Eigen::Vector2d& pixel : *corners) {
+    const int left = low(pixel.x(), m.width), top = low(pixel.y(), m.height);
+    reaches.push_back({left, top, high(pixel.x(), left, m.width), high(pixel.y(), top, m.height)});
   }
   struct Columns {
     int left = std::numeric_limits<int>::max(), right = 0;

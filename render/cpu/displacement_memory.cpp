@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/parallel.h"
 #include "render/cpu/passage.h"
@@ -60,10 +61,19 @@ void DisplacementMemory::keep(const Scene::Impl& scene, const Picture& picture,
   width_ = picture.width;
   height_ = picture.height;
   shrink_ = picture.shrink;
-  inverse_z_.assign(picture.inverse_z, picture.inverse_z + static_cast<std::ptrdiff_t>(width_) * height_);
-  const std::vector<float>& offset = picture.parallaxes->offset;
+  inverse_z_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   offsets_.resize(displacement.size());
-  for (std::size_t i = 0; i < offsets_.size(); ++i) offsets_[i] = displacement[i] * offset[i];
+  const std::vector<float>& offset = picture.parallaxes->offset;
+  const auto parts = static_cast<std::size_t>(picture.threads > 0 ? picture.threads : default_threads());
+  parallel_for(parts, picture.threads, [&](std::size_t part) {
+    const auto share = [&](std::size_t size) {
+      return std::pair(size * part / parts, size * (part + 1) / parts);
+    };
+    const auto [first, last] = share(inverse_z_.size());
+    std::copy(picture.inverse_z + first, picture.inverse_z + last, inverse_z_.data() + first);
+    const auto [begin, end] = share(offsets_.size());
+    for (std::size_t i = begin; i < end; ++i) offsets_[i] = displacement[i] * offset[i];
+  });
 }
 
 }  // namespace floatstage::render::cpu

@@ -23,7 +23,7 @@ void Projection::gray_images(int shrink, ProjectedImages& out) {
     out.gray[i].resize(size);
     out.state[i].resize(size);
   }
-  parallel_for(choice_.chosen * static_cast<std::size_t>(out.height), 1, [&](std::size_t item) {
+  parallel_for(choice_.chosen * static_cast<std::size_t>(out.height), threads_, [&](std::size_t item) {
     const std::size_t slot = item / static_cast<std::size_t>(out.height);
     const int row = static_cast<int>(item % static_cast<std::size_t>(out.height));
     std::uint8_t* gray =

@@ -7,6 +7,11 @@
 #include "render/cpu/covered.h"
 
 namespace floatstage::render::cpu {
+namespace {
+
+constexpr int kBandsAThread = 4;  // rows show more of the proxy or less
+
+}  // namespace
 
 void SurfaceRow::resize(std::size_t padded) {
   for (std::vector<float>* list : {&x, &inverse_z, &nx, &ny, &nz})
@@ -82,7 +87,7 @@ void ParallaxPlanes::run(const Task& task, const ReadRow& read, Parallaxes& out)
   for (const float fade : task.fade) all += fade;
   for (float& share : out.share) share = all > 0 ? share / all : 1 / static_cast<float>(images);
   const int threads = task.threads > 0 ? task.threads : default_threads(),
-            bands = std::max(1, std::min(out.height, threads));
+            bands = std::max(1, std::min(out.height, kBandsAThread * threads));
   if (workers_.size() < static_cast<std::size_t>(bands)) workers_.resize(static_cast<std::size_t>(bands));
   out.offset.assign(size, 0.F);
   for (std::size_t i = 0; i < images; ++i) {

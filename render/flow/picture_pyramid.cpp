@@ -82,26 +82,26 @@ void PicturePyramid::grow_band(PictureLevel& l) {
 }
 
 /// Rounds to 1/128 and lays out for both parts that a picture plays.
-void PicturePyramid::lay_out(PictureLevel& l) {
+void PicturePyramid::lay_out(PictureLevel& l, std::vector<float>& row) {
   const auto width = static_cast<std::size_t>(l.width), height = static_cast<std::size_t>(l.height);
   const std::size_t stride = width + 2 * kSampleMargin;
   l.samples.resize(stride * (height + 2 * kSampleMargin));
   l.first.resize(l.width, l.height);
   l.data.resize(l.width, l.height);
-  row_.resize(width);
+  row.resize(width);
   for (int y = 0; y < l.height; ++y) {
     const float* value = l.value.data() + l.at(0, y);
     const std::uint8_t* own = l.own.data() + l.at(0, y);
     std::uint16_t* out = l.samples.data() + (static_cast<std::size_t>(y) + kSampleMargin) * stride;
     for (std::size_t x = 0; x < width; ++x) {
       const int q = static_cast<int>(value[x] * 128.F + 0.5F);
-      row_[x] = static_cast<float>(q);
+      row[x] = static_cast<float>(q);
       out[x + kSampleMargin] = static_cast<std::uint16_t>(2 * q + (own[x] >> 7));
     }
     std::fill_n(out, kSampleMargin, static_cast<std::uint16_t>(out[kSampleMargin] & 0xFFFEU));
     std::fill_n(out + kSampleMargin + width, kSampleMargin,
                 static_cast<std::uint16_t>(out[kSampleMargin + width - 1] & 0xFFFEU));
-    split_row(row_.data(), l.width, 1.F / 128, l.first.row(y));
+    split_row(row.data(), l.width, 1.F / 128, l.first.row(y));
     split_row(own, l.width, 1.F / 255, l.data.row(y));
   }
   std::uint16_t *top = l.samples.data() + kSampleMargin * stride, *bottom = top + (height - 1) * stride;
@@ -111,12 +111,12 @@ void PicturePyramid::lay_out(PictureLevel& l) {
   }
 }
 
-void PicturePyramid::find_stiffness(PictureLevel& l, const PyramidOptions& options) {
+void PicturePyramid::find_stiffness(PictureLevel& l, const PyramidOptions& options, std::vector<float>& row) {
   l.stiffness.resize(l.width, l.height);
   const float of_zone[3] = {0, options.stiffness * kBandStiffness, options.stiffness};
   const float per_edge = 0.5F / options.edge;
   const auto width = static_cast<std::size_t>(l.width);
-  row_.resize(width);
+  row.resize(width);
   for (int y = 0; y < l.height; ++y) {
     const float* here = l.value.data() + l.at(0, y);
     const float *above = y > 0 ? here - width : here, *below = y + 1 < l.height ? here + width : here;
@@ -124,33 +124,44 @@ void PicturePyramid::find_stiffness(PictureLevel& l, const PyramidOptions& optio
       const float dx = here[right] - here[left], dy = below[x] - above[x];
       return 1.F / (1.F + std::sqrt(dx * dx + dy * dy) * per_edge);
     };
-    row_[0] = edge(0, 0, std::min<std::size_t>(1, width - 1));
-    for (std::size_t x = 1; x + 1 < width; ++x) row_[x] = edge(x - 1, x, x + 1);
-    if (width > 1) row_[width - 1] = edge(width - 2, width - 1, width - 1);
+    row[0] = edge(0, 0, std::min<std::size_t>(1, width - 1));
+    for (std::size_t x = 1; x + 1 < width; ++x) row[x] = edge(x - 1, x, x + 1);
+    if (width > 1) row[width - 1] = edge(width - 2, width - 1, width - 1);
     if (l.whole) {
-      split_row(row_.data(), l.width, options.stiffness, l.stiffness.row(y));
+      split_row(row.data(), l.width, options.stiffness, l.stiffness.row(y));
       continue;
     }
     const std::uint8_t* zone = l.zone.data() + l.at(0, y);
-    for (std::size_t x = 0; x < width; ++x) row_[x] *= of_zone[zone[x]];
-    split_row(row_.data(), l.width, 1, l.stiffness.row(y));
+    for (std::size_t x = 0; x < width; ++x) row[x] *= of_zone[zone[x]];
+    split_row(row.data(), l.width, 1, l.stiffness.row(y));
   }
 }
 
-void PicturePyramid::build(const FlowImage& picture, int levels, const PyramidOptions& options) {
+void PicturePyramid::shrink(const FlowImage& picture, int levels) {
   levels_.resize(std::max(levels_.size(), static_cast<std::size_t>(levels)));
+  rows_.resize(levels_.size());
   load_picture(picture, raw_);
   for (int l = 0; l < levels; ++l) {
-    PictureLevel& to = levels_[static_cast<std::size_t>(l)];
+    const auto at = static_cast<std::size_t>(l);
+    PictureLevel& to = levels_[at];
     if (l == 0)
-      smooth(raw_, to, row_);
+      smooth(raw_, to, rows_[at]);
     else
-      halve(levels_[static_cast<std::size_t>(l - 1)], to, row_);
+      halve(levels_[at - 1], to, rows_[at]);
     for (int k = 0; k < PictureLevel::kBandWidth && !to.whole; ++k) grow_band(to);
     find_spans(to);
-    lay_out(to);
-    find_stiffness(to, options);
   }
+}
+
+void PicturePyramid::finish(int level, const PyramidOptions& options) {
+  const auto at = static_cast<std::size_t>(level);
+  lay_out(levels_[at], rows_[at]);
+  find_stiffness(levels_[at], options, rows_[at]);
+}
+
+void PicturePyramid::build(const FlowImage& picture, int levels, const PyramidOptions& options) {
+  shrink(picture, levels);
+  for (int l = 0; l < levels; ++l) finish(l, options);
 }
 
 int pyramid_levels(int width, int height, int least) {

@@ -50,18 +50,22 @@ class PicturePyramid {
  public:
   /// `levels` of at least 1. The picture is not kept.
   void build(const FlowImage& picture, int levels, const PyramidOptions& options);
+  /// The same in two: brightness, zones and spans of all levels, then what the solver reads of each, which
+  /// may be asked for on several threads at once.
+  void shrink(const FlowImage& picture, int levels);
+  void finish(int level, const PyramidOptions& options);
   const PictureLevel& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }
 
  private:
   void grow_band(PictureLevel& level);
-  void lay_out(PictureLevel& level);
-  void find_stiffness(PictureLevel& level, const PyramidOptions& options);
+  static void lay_out(PictureLevel& level, std::vector<float>& row);
+  static void find_stiffness(PictureLevel& level, const PyramidOptions& options, std::vector<float>& row);
 
   PictureLevel raw_;
   std::vector<PictureLevel> levels_;
-  std::vector<float> row_;           // scratch of one row
-  std::vector<std::uint8_t> bytes_;  // scratch of one row
-  std::vector<int> border_;          // scratch: pixels that join the band
+  std::vector<std::vector<float>> rows_;  // scratch: a row of each level
+  std::vector<std::uint8_t> bytes_;       // scratch of one row
+  std::vector<int> border_;               // scratch: pixels that join the band
 };
 
 /// How often a picture can be halved and still have `least` px on its shorter side, and one level more: 1 …

@@ -31,6 +31,22 @@ INSTANTIATE_TEST_SUITE_P(
                     Lens{BrownConrady{.k1 = 0.4, .k2 = 0.1, .p1 = 1e-3, .k4 = 0.6, .k5 = 0.2, .k6 = 0.02}},
                     Lens{KannalaBrandt{0.02, -0.005, 0.001, 0}}));
 
+TEST_P(EveryLens, ProjectsManyPointsAsItProjectsEach) {
+  const CameraModel model = model_with(GetParam());
+  const Rigid3 cam_from_world = look_at({0.3, -0.2, -3}, {0, 0, 0}, {0, -1, 0});
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 60; ++i)
+    points.emplace_back(0.01F * static_cast<float>(i * 7 % 61 - 30),
+                        0.01F * static_cast<float>(i * 11 % 53 - 26), 0.02F * static_cast<float>(i * 5 % 31));
+  const auto pixels = project_all(model, cam_from_world, points);
+  ASSERT_TRUE(pixels);
+  ASSERT_EQ(pixels->size(), points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    EXPECT_LT(((*pixels)[i] - *project(model, cam_from_world * points[i].cast<double>())).norm(), 1e-9) << i;
+  points.push_back({0.3F, -0.2F, -4});  // behind it
+  EXPECT_FALSE(project_all(model, cam_from_world, points));
+}
+
 TEST(Project, SeesNothingBehindTheCamera) {
   EXPECT_FALSE(project(model_with({}), {0, 0, -1}));
   EXPECT_FALSE(project(model_with({}), {0, 0, 0}));
