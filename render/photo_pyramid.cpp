@@ -1,6 +1,7 @@
 #include "render/photo_pyramid.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/parallel.h"
@@ -11,22 +12,34 @@ namespace {
 
 constexpr float kWidestSharp = 2;  // px
 
+// The mean of four pixels by their opacity; that of four that nothing is seen of, of their colours.
+void mix_four(const std::array<const std::uint8_t*, 4>& four, std::uint8_t* to) {
+  int plain[3] = {0, 0, 0}, alpha = 0;
+  for (const std::uint8_t* p : four) {
+    for (int c = 0; c < 3; ++c) plain[c] += p[c];
+    alpha += p[3];
+  }
+  to[3] = static_cast<std::uint8_t>((alpha + 2) / 4);
+  if (alpha == 0 || alpha == 4 * 255) {  // most are: no product, and no division
+    for (int c = 0; c < 3; ++c) to[c] = static_cast<std::uint8_t>((plain[c] + 2) / 4);
+    return;
+  }
+  int sum[3] = {0, 0, 0};
+  for (const std::uint8_t* p : four)
+    for (int c = 0; c < 3; ++c) sum[c] += p[c] * p[3];
+  for (int c = 0; c < 3; ++c) to[c] = static_cast<std::uint8_t>((sum[c] + alpha / 2) / alpha);
+}
+
 void halve(const SceneTile& tile, SceneTile& half) {
   half.resize((tile.width + 1) / 2, (tile.height + 1) / 2);
-  for (int y = 0; y < half.height; ++y)
-    for (int x = 0; x < half.width; ++x) {
-      int sum[3] = {0, 0, 0}, plain[3] = {0, 0, 0}, alpha = 0;
-      for (int k = 0; k < 4; ++k) {
-        const std::uint8_t* p =
-            tile.at(std::min(2 * x + (k & 1), tile.width - 1), std::min(2 * y + (k >> 1), tile.height - 1));
-        for (int c = 0; c < 3; ++c) sum[c] += p[c] * p[3], plain[c] += p[c];
-        alpha += p[3];
-      }
-      std::uint8_t* to = half.at(x, y);
-      for (int c = 0; c < 3; ++c)
-        to[c] = static_cast<std::uint8_t>(alpha > 0 ? (sum[c] + alpha / 2) / alpha : (plain[c] + 2) / 4);
-      to[3] = static_cast<std::uint8_t>((alpha + 2) / 4);
+  for (int y = 0; y < half.height; ++y) {
+    const std::uint8_t *above = tile.at(0, 2 * y), *below = tile.at(0, std::min(2 * y + 1, tile.height - 1));
+    std::uint8_t* to = half.at(0, y);
+    for (int x = 0; x < half.width; ++x, to += 4) {
+      const std::ptrdiff_t left = 4 * (2 * x), right = 4 * std::min(2 * x + 1, tile.width - 1);
+      mix_four({above + left, above + right, below + left, below + right}, to);
     }
+  }
   half.repeat_border();
 }
 
