@@ -24,6 +24,14 @@ int slices_of(int width, int height) {
   return a_side * a_side;
 }
 
+// libav's encoder takes 148 bytes a pixel, up to 2 GB, as long as a camera's track is open. (In four slices
+// it takes no larger pictures.)
+bool is_too_large(PixelFormat format, int width, int height) {
+  constexpr std::int64_t kMost = 30'000'000, kMostOfOneChannel = 60'000'000;  // px
+  const bool one = format == PixelFormat::Gray8 || format == PixelFormat::BayerRggb8;
+  return std::int64_t{width} * height > (one ? kMostOfOneChannel : kMost);
+}
+
 /// Turns pictures into packets: one in, one out, so that nothing waits inside an encoder when the program is
 /// killed.
 class PictureCoder {
@@ -55,6 +63,11 @@ Result<void> PictureCoder::open(TakeCodec codec, const PicturePacking& packing, 
   if (!found)
     return fail(ErrorCode::Unsupported,
                 text("this libavcodec has no ", ffv1 ? "FFV1" : "libx264", " encoder"));
+  if (ffv1 && is_too_large(packing.layout().format, width_, height_))
+    return fail(ErrorCode::Unsupported,
+                text(width_, "x", height_, " ", name_of(packing.layout().format),
+                     " pictures are too large for FFV1, which has up to 30 Mpx of colour and 60 Mpx of one "
+                     "channel; record them raw"));
   int error = open_encoder(*found, codec, packing, time_base, frame_rate, slices_of(width_, height_));
   // libav cannot cut some small or odd-sized pictures with shared chroma.
   if (error < 0 && codec == TakeCodec::Ffv1)

@@ -164,5 +164,15 @@ TEST(TakeWriter, NamesACodecThatCannotHoldThePicture) {
               FailsWith(ErrorCode::Unsupported, "17x13 nv12"));
 }
 
+TEST(TakeWriter, HoldsNoPictureForWhichTheEncoderNeedsGigabytes) {
+  const TempFolder folder;
+  auto writer = TakeWriter::create(folder / "take", small_rig(1, 6000, 5200), {});
+  ASSERT_THAT(writer, IsOk());
+  FrameInfo info;
+  info.camera = 0;
+  EXPECT_THAT((*writer)->write(make_frame(info, Image(6000, 5200, 3))),
+              FailsWith(ErrorCode::Unsupported, "6000x5200 rgb8 pictures are too large for FFV1"));
+}
+
 }  // namespace
 }  // namespace floatstage::capture

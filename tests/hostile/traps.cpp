@@ -50,11 +50,8 @@ std::string resized(std::string png, std::uint32_t width, std::uint32_t height) 
   return png.replace(29, 4, four(static_cast<std::uint32_t>(::crc32(0, header, 17))));
 }
 
-std::string png_of(const Image& image) {
-  const TempFolder folder;
-  EXPECT_THAT(save_png(image, folder / "p.png"), IsOk());
-  return *read_file(folder / "p.png");
-}
+// As small as can be.
+std::string png_of(const Image& image) { return encode_png_of_runs(image).value(); }
 
 std::string jpeg_claiming(std::uint16_t width, std::uint16_t height) {
   std::string jpeg = encode_jpeg(Image(16, 16, 3), 90);
