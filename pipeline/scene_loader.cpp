@@ -257,11 +257,13 @@ Result<DrawnScene> SceneLoader::load_parts(int frame, const Choose& choose) {
   const Result<std::vector<Matte>> mattes = load_mattes(take_, frame, &hashes, cameras);
   if (!mattes) return forward(mattes);
   if (Result<void> ok = check_age(frame, hashes); !ok) return forward(ok);
+  for (std::size_t i = 0; i < cameras.size(); ++i)
+    if (cameras[i] && (*mattes)[i].empty()) return whole();
   const Result<std::shared_ptr<const MatteRecord>> made = spill();
   if (!made) return forward(made);
   std::vector<Result<PhotographPart>> read(boxes.size(), PhotographPart());
   parallel_for(boxes.size(), 0, [&](std::size_t i) {
-    if (cameras[i] && !(*mattes)[i].empty()) read[i] = part(frame, i, boxes[i], *made);
+    if (cameras[i]) read[i] = part(frame, i, boxes[i], *made);
   });
   SceneParts parts;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
