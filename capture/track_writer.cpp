@@ -18,7 +18,7 @@ namespace {
 // Slices let one picture be coded by several cores, and a part of it be read for less than the whole (ADR
 // 361). Their number depends on nothing but the picture's size, so the bytes do not depend on the machine.
 int slices_of(int width, int height) {
-  constexpr int kMostASide = 8, kLeastWidth = 64, kLeastHeight = 48;  // px, of a slice
+  constexpr int kMostASide = 8, kLeastWidth = 64, kLeastHeight = 40;  // px, of a slice
   int a_side = kMostASide;
   while (a_side > 1 && (width < a_side * kLeastWidth || height < a_side * kLeastHeight)) a_side /= 2;
   return a_side * a_side;

@@ -73,8 +73,10 @@ std::string process_command(const TakeLayout& layout) {
   return command;
 }
 
-Image cut(const Matte& matte, const PixelBox& box) {
-  Image alpha(box.width, box.height, 1);
+// Where there is none all of a photograph is opaque.
+Image part_of(const Matte& matte, const PixelBox& box) {
+  Image alpha(box.width, box.height, 1, 255);
+  if (matte.empty()) return alpha;
   for (int y = 0; y < box.height; ++y) std::copy_n(matte.row(box.y + y) + box.x, box.width, alpha.at(0, y));
   return alpha;
 }
@@ -257,8 +259,6 @@ Result<DrawnScene> SceneLoader::load_parts(int frame, const Choose& choose) {
   const Result<std::vector<Matte>> mattes = load_mattes(take_, frame, &hashes, cameras);
   if (!mattes) return forward(mattes);
   if (Result<void> ok = check_age(frame, hashes); !ok) return forward(ok);
-  for (std::size_t i = 0; i < cameras.size(); ++i)
-    if (cameras[i] && (*mattes)[i].empty()) return whole();
   const Result<std::shared_ptr<const MatteRecord>> made = spill();
   if (!made) return forward(made);
   std::vector<Result<PhotographPart>> read(boxes.size(), PhotographPart());
@@ -270,7 +270,7 @@ Result<DrawnScene> SceneLoader::load_parts(int frame, const Choose& choose) {
     if (!cameras[i]) continue;
     if (!read[i]) return forward(read[i]);
     if (read[i]->photograph.empty()) return whole();
-    read[i]->matte = cut((*mattes)[i], read[i]->box);
+    read[i]->matte = part_of((*mattes)[i], read[i]->box);
     parts.photographs.push_back(std::move(*read[i]));
   }
   parts.mesh = std::move(*mesh);

@@ -65,8 +65,8 @@ class SceneLoader {
   /// where it does not need it; one entry a camera.
   using Choose = std::function<std::vector<std::vector<PixelBox>>(const Mesh&)>;
   /// The chosen parts alone, and no more is decoded for them than has to be (TakeReader::part()): around them
-  /// a photograph may be anything. The whole scene where some camera has no picture, or one of the chosen no
-  /// matte. Errors as above.
+  /// a photograph may be anything. The whole scene where some camera has no picture.
+  /// Errors as above.
   Result<DrawnScene> load_parts(int frame, const Choose& choose);
 
  private:

@@ -17,8 +17,8 @@ namespace floatstage::render {
 /// What needed_cameras() names are the first of them. Any thread.
 std::vector<int> drawn_from(const Rig& rig, const Mesh& mesh, const View& view, int count);
 
-/// The parts of a camera's photograph that the native back-end reads for these views with `method`, in bands
-/// of rows: a scene of pictures that are anything else everywhere else gives the views of the scene of whole
+/// The parts of a camera's photograph that the native back-end reads for these views with `method`, in cells
+/// of 16 px: a scene of pictures that are anything else everywhere else gives the views of the scene of whole
 /// photographs, bit by bit. All of it for methods that look beyond the proxy, and where the proxy reaches
 /// behind the camera. Never none. Any thread.
 std::vector<PixelBox> parts_drawn_from(const RigCamera& camera, const Mesh& mesh, std::span<const View> views,

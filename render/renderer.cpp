@@ -30,7 +30,7 @@ constexpr double kWidestFilter = 512;   // px
 constexpr double kMostUncertain = 0.5;  // of the diagonal: the subject's own size
 constexpr double kLargestRadius = 64;   // px; distances are stored in bytes
 constexpr double kAround = 4;           // px: edges are straight between corners, what the lens bends is not
-constexpr int kBand = 16;               // rows
+constexpr int kPartCell = 16;           // px: a part of a photograph has whole ones
 constexpr double kSpline = 2;           // pixels to each side that it looks at
 
 // The table of renderers: one line each.
@@ -159,27 +159,33 @@ std::vector<PixelBox> parts_drawn_from(const RigCamera& camera, const Mesh& mesh
     const int left = low(pixel.x(), m.width), top = low(pixel.y(), m.height);
     reaches.push_back({left, top, high(pixel.x(), left, m.width), high(pixel.y(), top, m.height)});
   }
-  struct Columns {
-    int left = std::numeric_limits<int>::max(), right = 0;
-  };
-  std::vector<Columns> bands(static_cast<std::size_t>((m.height + kBand - 1) / kBand));
+  // Marked in cells of a grid.
+  const auto cells = [](int size) { return (size + kPartCell - 1) / kPartCell; };
+  const int across = cells(m.width), down = cells(m.height);
+  std::vector<std::uint8_t> needed(static_cast<std::size_t>(across) * static_cast<std::size_t>(down), 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
     const Reach &a = reaches[mesh.triangles[t]], &b = reaches[mesh.triangles[t + 1]],
                 &c = reaches[mesh.triangles[t + 2]];
-    const int left = std::min({a.left, b.left, c.left}), right = std::max({a.right, b.right, c.right});
-    const int last = (std::max({a.bottom, b.bottom, c.bottom}) - 1) / kBand;
-    for (int band = std::min({a.top, b.top, c.top}) / kBand; band <= last; ++band) {
-      Columns& columns = bands[static_cast<std::size_t>(band)];
-      columns.left = std::min(columns.left, left);
-      columns.right = std::max(columns.right, right);
-    }
+    const int left = std::min({a.left, b.left, c.left}) / kPartCell,
+              right = cells(std::max({a.right, b.right, c.right})),
+              bottom = cells(std::max({a.bottom, b.bottom, c.bottom}));
+    for (int y = std::min({a.top, b.top, c.top}) / kPartCell; y < bottom; ++y)
+      std::fill_n(needed.data() + static_cast<std::ptrdiff_t>(y) * across + left, right - left,
+                  std::uint8_t{1});
   }
   std::vector<PixelBox> parts;
-  for (std::size_t band = 0; band < bands.size(); ++band) {
-    const int y = static_cast<int>(band) * kBand;
-    if (const auto& [left, right] = bands[band]; left < right)
-      parts.push_back({left, y, right - left, std::min(kBand, m.height - y)});
-  }
+  for (int y = 0; y < down; ++y)
+    for (int x = 0; x < across; ++x) {
+      const auto is_needed = [&](int column) {
+        return needed[static_cast<std::size_t>(y) * static_cast<std::size_t>(across) +
+                      static_cast<std::size_t>(column)] != 0;
+      };
+      if (!is_needed(x)) continue;
+      const int first = x;
+      while (x < across && is_needed(x)) ++x;
+      parts.push_back({first * kPartCell, y * kPartCell, std::min(x * kPartCell, m.width) - first * kPartCell,
+                       std::min(kPartCell, m.height - y * kPartCell)});
+    }
   return parts;
 }
 
