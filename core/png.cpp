@@ -111,10 +111,9 @@ Result<void> save(const Image& image, const std::uint8_t* rows, int bits, const 
 }  // namespace
 
 // Photographs and renders are a tenth smaller as runs of what is left of the Paeth filter than with matches
-// looked for after the best of all filters, in half the time (ADR 361); mattes without a filter (ADR 193).
+// looked for after the best of all filters, in half the time (ADR 361).
 Result<void> save_png(const Image& image, const std::filesystem::path& file) {
-  const int filter = image.channels == 1 ? PNG_FILTER_NONE : PNG_FILTER_PAETH;
-  return save(image, image.pixels.data(), 8, file, {.level = 1, .filter = filter, .runs = true});
+  return save(image, image.pixels.data(), 8, file, {.level = 1, .filter = PNG_FILTER_PAETH, .runs = true});
 }
 
 Result<std::string> encode_png_of_runs(const Image& image) {

@@ -71,7 +71,7 @@ TEST(Png, ReducesSixteenBits) {
   EXPECT_THAT(image->pixels, testing::ElementsAre(0, 0, 0, 255, 255, 255));
 }
 
-TEST(Png, OfRunsIsTheSamePictureAndWhatMattesAreSavedAs) {
+TEST(Png, OfRunsIsTheSamePictureInFewerBytesWhereItIsAMatte) {
   Image matte = noise(160, 120, 1);  // what keys leave at an outline
   for (int y = 0; y < matte.height; ++y)
     for (int x = 0; x < matte.width; ++x)
@@ -83,9 +83,8 @@ TEST(Png, OfRunsIsTheSamePictureAndWhatMattesAreSavedAs) {
   ASSERT_THAT(back, IsOk());
   EXPECT_EQ(back->pixels, matte.pixels);
   TempFolder folder;
-  ASSERT_THAT(save_png(matte, folder / "saved.png"), IsOk());
-  EXPECT_THAT(read_file(folder / "saved.png"), IsOkAnd(testing::Eq(*runs)));
-  EXPECT_LT(runs->size(), matte.pixels.size() / 10);
+  ASSERT_THAT(save_png(matte, folder / "usual.png"), IsOk());
+  EXPECT_LT(runs->size(), std::filesystem::file_size(folder / "usual.png"));
   EXPECT_THROW((void)encode_png_of_runs(Image{}), CheckFailure);
 }
 
