@@ -2,15 +2,32 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
+#include <optional>
 #include <tuple>
 
+#include "core/camera.h"
+#include "render/enough.h"
 #include "render/ray_kernels.h"
 
 namespace floatstage::render {
 namespace {
 
-/// 1 in the middle of the picture, falling smoothly outside it: what the view shows decides.
+constexpr double kRim = 0.02;    // of a picture's width, beyond its border
+constexpr double kFacing = 0.2;  // cosine above which a camera looks at a surface, not along it
+/// Of the weights in rank_rest(): what the blended cameras show. It tells cameras that are as good apart.
+constexpr double kShown = 0.02;
+
+RankingSample sample_of(const Mesh& mesh, const std::uint32_t* corners) {
+  const Eigen::Vector3f& a = mesh.positions[corners[0]];
+  const Eigen::Vector3f normal =
+      (mesh.positions[corners[1]] - a).cross(mesh.positions[corners[2]] - a).stableNormalized();
+  return {a, normal};
+}
+
+}  // namespace
+
 double importance(const View& view, const Eigen::Vector3d& world) {
   const Eigen::Vector3d p = view.view_from_world * world;
   if (p.z() <= view.near_plane) return 1e-4;
@@ -21,13 +38,11 @@ double importance(const View& view, const Eigen::Vector3d& world) {
   return 1e-4 + 1 / (1 + r2 * r2);
 }
 
-}  // namespace
-
 RankingSamples ranking_samples(const Mesh& mesh) {
   RankingSamples samples;
   const std::size_t stride = std::max<std::size_t>(1, mesh.triangle_count() / kRankingSamples);
   for (std::size_t t = 0; t < mesh.triangle_count(); t += stride)
-    samples.push_back(mesh.positions[mesh.triangles[3 * t]]);
+    samples.push_back(sample_of(mesh, mesh.triangles.data() + 3 * t));
   return samples;
 }
 
@@ -36,8 +51,8 @@ std::vector<double> mean_angles(const std::vector<RigCamera>& cameras, const Ran
   const Eigen::Vector3d eye = view.view_from_world.center();
   std::vector<double> angles(cameras.size());
   double total = 0;
-  for (const Eigen::Vector3f& sample : samples) {
-    const Eigen::Vector3d p = sample.cast<double>();
+  for (const RankingSample& sample : samples) {
+    const Eigen::Vector3d p = sample.point.cast<double>();
     const double weight = importance(view, p);
     const Eigen::Vector3d to_view = (eye - p).normalized();
     total += weight;
@@ -51,6 +66,21 @@ std::vector<double> mean_angles(const std::vector<RigCamera>& cameras, const Ran
   return angles;
 }
 
+double in_picture(const RigCamera& camera, const Eigen::Vector3d& world) {
+  const CameraModel& m = camera.model;
+  const std::optional<Eigen::Vector2d> pixel = project(m, camera.cam_from_world * world);
+  if (!pixel) return 0;
+  const double within =
+      std::min(std::min(pixel->x(), m.width - pixel->x()), std::min(pixel->y(), m.height - pixel->y()));
+  return std::clamp(1 + within / (kRim * m.width), 0.0, 1.0);
+}
+
+double shows(const RigCamera& camera, const RankingSample& sample) {
+  const Eigen::Vector3d p = sample.point.cast<double>();
+  const Eigen::Vector3d to_camera = (camera.cam_from_world.center() - p).normalized();
+  return in_picture(camera, p) * std::clamp(sample.normal.cast<double>().dot(to_camera) / kFacing, 0.0, 1.0);
+}
+
 void CameraRanking::set(const std::vector<RigCamera>& cameras, const RankingSamples& samples) {
   samples_ = samples;
   lanes_ = (cameras.size() + kRayLanes - 1) / kRayLanes * kRayLanes;
@@ -60,8 +90,16 @@ void CameraRanking::set(const std::vector<RigCamera>& cameras, const RankingSamp
     for (int axis = 0; axis < 3; ++axis) centers_[static_cast<std::size_t>(axis) * lanes_ + i] = center[axis];
   }
   rays_.resize(samples.size() * centers_.size());
-  for (std::size_t s = 0; s < samples.size(); ++s)
-    unit_rays(samples[s].cast<double>(), centers_.data(), lanes_, rays_.data() + s * centers_.size());
+  pictured_.assign(samples.size() * lanes_, 0.0);
+  shown_ = pictured_;
+  for (std::size_t s = 0; s < samples.size(); ++s) {
+    const Eigen::Vector3d p = samples[s].point.cast<double>();
+    unit_rays(p, centers_.data(), lanes_, rays_.data() + s * centers_.size());
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+      pictured_[s * lanes_ + i] = in_picture(cameras[i], p);
+      shown_[s * lanes_ + i] = shows(cameras[i], samples[s]);
+    }
+  }
 
   by_place_.resize(cameras.size());
   std::iota(by_place_.begin(), by_place_.end(), 0);
@@ -77,21 +115,50 @@ std::span<const RankedCamera> CameraRanking::rank(const View& view) {
   angles_.assign(lanes_, 0.0);
   double total = 0;
   for (std::size_t s = 0; s < samples_.size(); ++s) {
-    const Eigen::Vector3d p = samples_[s].cast<double>();
+    const Eigen::Vector3d p = samples_[s].point.cast<double>();
     const double weight = importance(view, p);
     total += weight;
     add_angles((eye - p).normalized(), 2 * weight, rays_.data() + s * centers_.size(), lanes_,
                angles_.data());
   }
-  ranked_.clear();
+  order(total, ranked_);
+  return ranked_;
+}
+
+CameraRanking::Rest CameraRanking::rank_rest(const View& view, std::span<const BlendedCamera> blended) {
+  const Eigen::Vector3d eye = view.view_from_world.center();
+  double all = 0, lacking = 0, weights = 0;
+  for (const BlendedCamera& b : blended) all += b.fade;
+  angles_.assign(lanes_, 0.0);
+  for (std::size_t s = 0; s < samples_.size(); ++s) {
+    const Eigen::Vector3d p = samples_[s].point.cast<double>();
+    const double* pictured = pictured_.data() + s * lanes_;
+    double have = 0;
+    for (const BlendedCamera& b : blended) have += b.fade * pictured[static_cast<std::size_t>(b.camera)];
+    const double weight = importance(view, p), lack = weight * (1 - std::min(1.0, have / (kEnough * all)));
+    add_angles((eye - p).normalized(), 2 * (lack + kShown * weight), rays_.data() + s * centers_.size(),
+               lanes_, angles_.data());
+    weights += weight;
+    if (lack <= 0) continue;
+    lacking += lack;
+    const double* shown = shown_.data() + s * lanes_;
+    for (std::size_t i = 0; i < lanes_; ++i) angles_[i] += lack * std::numbers::pi * (1 - shown[i]);
+  }
+  if (!(lacking > 0)) return {0, ranked_};
+  order(lacking + kShown * weights, rest_);
+  return {lacking / weights, rest_};
+}
+
+// By the lanes' angles, of which `total` weights were summed.
+void CameraRanking::order(double total, std::vector<RankedCamera>& ranked) const {
+  ranked.clear();
   for (const int camera : by_place_) {
     const double sum = angles_[static_cast<std::size_t>(camera)], angle = total > 0 ? sum / total : sum;
-    ranked_.push_back({std::llround(angle * 1e9), static_cast<int>(ranked_.size()), camera, angle});
+    ranked.push_back({std::llround(angle * 1e9), static_cast<int>(ranked.size()), camera, angle});
   }
-  std::sort(ranked_.begin(), ranked_.end(), [](const RankedCamera& a, const RankedCamera& b) {
+  std::sort(ranked.begin(), ranked.end(), [](const RankedCamera& a, const RankedCamera& b) {
     return std::pair(a.nanoradians, a.place) < std::pair(b.nanoradians, b.place);
   });
-  return ranked_;
 }
 
 }  // namespace floatstage::render

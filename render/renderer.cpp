@@ -30,8 +30,9 @@ constexpr double kWidestFilter = 512;   // px
 constexpr double kMostUncertain = 0.5;  // of the diagonal: the subject's own size
 constexpr double kLargestRadius = 64;   // px; distances are stored in bytes
 constexpr double kAround = 4;           // px: edges are straight between corners, what the lens bends is not
-constexpr int kPartCell = 16;           // px: a part of a photograph has whole ones
-constexpr double kSpline = 2;           // pixels to each side that it looks at
+constexpr double kWorthPhotographs = 0.01;  // of a view, beyond the chosen cameras' pictures
+constexpr int kPartCell = 16;               // px: a part of a photograph has whole ones
+constexpr double kSpline = 2;               // pixels to each side that it looks at
 
 // The table of renderers: one line each.
 using Maker = Result<std::unique_ptr<ViewRenderer>> (*)();
@@ -192,7 +193,8 @@ std::vector<PixelBox> parts_drawn_from(const RigCamera& camera, const Mesh& mesh
 std::vector<int> needed_cameras(const Rig& rig, const Mesh& mesh, const View& view, int count) {
   CameraRanking ranking(rig.cameras, ranking_samples(mesh));
   const CameraChoice choice = choose_cameras(ranking, view, count, {});
-  return {choice.listed.begin(), choice.listed.begin() + choice.chosen};
+  const std::size_t needed = choice.lacking > kWorthPhotographs ? choice.listed.size() : choice.chosen;
+  return {choice.listed.begin(), choice.listed.begin() + needed};
 }
 
 Image download(const RenderedView& view) {

@@ -142,7 +142,8 @@ bool can_show(std::string_view renderer, RenderOutput output);
 bool lacks_shown_camera(const RenderedView& view, const RendererOptions& options);
 
 /// The photographs that a view of this scene is drawn from, strongest first: `count` indices into
-/// rig.cameras, and at most as many again where more are about as near as the nearest (ADR 315). What a
+/// rig.cameras, and at most as many again where more are about as near as the nearest (ADR 315); with those
+/// that stand in for them where a hundredth of what it shows lies beyond their pictures (ADR 362). What a
 /// viewer asks camera nodes for (thesis §11.5: only these textures travel). Any thread.
 std::vector<int> needed_cameras(const Rig& rig, const Mesh& mesh, const View& view, int count);
 

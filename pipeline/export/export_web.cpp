@@ -38,6 +38,8 @@ json cameras_of(const Rig& rig) {
                        {"fy", m.fy},
                        {"cx", m.cx},
                        {"cy", m.cy},
+                       {"width", m.width},
+                       {"height", m.height},
                        {"matrix", std::vector<double>(matrix.data(), matrix.data() + matrix.size())},
                        {"center", numbers(camera.cam_from_world.center())}});
   }

@@ -23,7 +23,9 @@ class LightFieldRenderer : public ViewRenderer {
     Result<CameraGrid> grid = camera_grid(scene.impl().cameras);
     if (!grid) return forward(grid);
     plane_ = LightFieldPlane(*grid, view.view_from_world.center());
-    const Projection::Wanted wanted{.margin = 0, .mattes = has_soft_outline(options)};
+    const Projection::Wanted wanted{.margin = 0,
+                                    .mattes = has_soft_outline(options),
+                                    .unreached = 1};  // its cameras are others than those listed
     if (Result<void> ok = projection_.run(scene, view, options, wanted); !ok) return forward(ok);
     picture_.begin(view, options.background);
     take_photographs(scene.impl(), view);
@@ -34,7 +36,7 @@ class LightFieldRenderer : public ViewRenderer {
         projection_.for_rows([&](int y, RowMemory& memory) {
           blend_row(y, options.output == RenderOutput::Ghosting, memory);
         });
-      if (Result<void> ok = picture_.soften(projection_, options); !ok) return forward(ok);
+      if (Result<void> ok = picture_.soften(projection_, options, false); !ok) return forward(ok);
     }
     RenderedView drawn = rendered_view(scene, view, projection_, picture_);
     drawn.cameras = strongest(scene.impl(), plane_, view);

@@ -42,8 +42,10 @@ void Picture::write(const Projection& projection, int y, const float* rgb, int f
   }
 }
 
-Result<void> Picture::soften(Projection& projection, const RendererOptions& options) {
+Result<void> Picture::soften(Projection& projection, const RendererOptions& options, bool sees) {
   if (projection.interruption().given_up()) return given_up();
+  if (sees && has_soft_outline(options) && options.output == RenderOutput::Color)
+    unseen_.run(projection, image_);
   if (has_soft_outline(options)) outline_.run(projection, options.output == RenderOutput::Opacity, image_);
   return projection.interruption().given_up() ? Result<void>(given_up()) : Result<void>();
 }

@@ -4,6 +4,7 @@
 
 #include "render/cpu/outline.h"
 #include "render/cpu/projection.h"
+#include "render/cpu/unseen.h"
 
 namespace floatstage::render::cpu {
 
@@ -18,12 +19,15 @@ class Picture {
   /// What lies outside the view is left out.
   void write(const Projection& projection, int y, const float* rgb, int floats);
 
-  /// Once all rows are written: gives the view its opacity, or shows it, where the options want either.
+  /// Once all rows are written: continues the view's surroundings where no camera sees it and gives it its
+  /// opacity, or shows that, where the options want either. `sees`: the colours are those of cameras that see
+  /// what they show.
   /// Cancelled when the picture was given up.
-  Result<void> soften(Projection& projection, const RendererOptions& options);
+  Result<void> soften(Projection& projection, const RendererOptions& options, bool sees = true);
 
  private:
   Image image_;
+  Unseen unseen_;
   Outline outline_;
 };
 

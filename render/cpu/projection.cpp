@@ -81,6 +81,7 @@ Result<void> Projection::run(const Scene& scene, const View& view, const Rendere
   window_ = window_of(view, s.mesh.positions, s.vertex_blocks, wanted.margin);
   if (window_.empty()) return {};
   mesh_ = &s.mesh;
+  margin_ = wanted.margin;
   threads_ = options.threads;
   sharp_ = options.sharp;
   radius_ = f(options.soft_radius);
@@ -201,8 +202,8 @@ void Projection::see_row(int y, const Wanted& wanted, RowMemory& memory) {
   if (wanted.mattes) {
     mattes = {1, matte_.data() + row.list, memory.floats(count), most_opaque_.data() + row.list,
               memory.floats(count)};
-    std::fill_n(mattes.behind, count, -1.F);
     for (float* list : {mattes.sum, mattes.weight, mattes.most}) std::fill_n(list, count, 0.F);
+    std::fill_n(mattes.behind, count, wanted.unreached);
   }
   for (std::size_t slot = 0; slot < choice_.listed.size(); ++slot) {
     mattes.reach = choice_.fade[slot] + kStandIn * choice_.stand_in_fade[slot];
@@ -225,7 +226,7 @@ void Projection::see_row(int y, const Wanted& wanted, RowMemory& memory) {
   for (std::size_t i = 0; wanted.mattes && i < count; ++i) {
     const bool watched = mattes.weight[i] > 0;
     mattes.sum[i] = watched ? mattes.sum[i] / mattes.weight[i] : 1;
-    if (!watched) mattes.most[i] = mattes.behind[i] < 0 ? 1 : mattes.behind[i];
+    if (!watched) mattes.most[i] = mattes.behind[i];
   }
   std::uint8_t* hidden = hidden_.data() + line(y);
   std::fill_n(hidden, window_.width, std::uint8_t{0});

@@ -50,6 +50,7 @@ class Projection {
     bool levels = false;                    ///< photographs' pyramids, whatever the footprints are
     bool mattes = false;                    ///< what they say at the surface
     bool fill = true;                       ///< with images: RendererOptions::fill_hidden
+    float unreached = 0;                    ///< opacity of what no picture of the list reaches
     const CameraChoice* cameras = nullptr;  ///< instead of those that the view would choose
   };
   /// Cancelled when the picture was given up.
@@ -77,6 +78,7 @@ class Projection {
   }
   float tolerance() const { return tolerance_; }
   float radius() const { return radius_; }  ///< px: of soft visibility
+  int margin() const { return margin_; }    ///< px of the window on each side, beyond what the proxy covers
   int threads() const { return threads_; }
   bool sharp() const { return sharp_; }
 
@@ -142,6 +144,7 @@ class Projection {
   float tolerance_ = 0, radius_ = 0;
   bool sharp_ = true;
   int threads_ = 0;
+  int margin_ = 0;
 
   ProxyRaster raster_;
   std::vector<float> inverse_z_;

@@ -4,14 +4,13 @@
 #include <cstdint>
 
 #include "render/camera_choice.h"
+#include "render/enough.h"
 
 // Inner loops of soft visibility (Eq. 11.5) and of the blending weights. Lists are padded to Covered::kAlign.
 // Formulas: render/gl/shaders/soft_rows.comp and weights.comp.
 namespace floatstage::render::cpu {
 
 inline constexpr float kStandIn = 1e-3F;  ///< mattes of cameras beyond the chosen ones count so much
-/// Of the weight that the chosen cameras would have without visibility, the share that keeps others out.
-inline constexpr float kEnough = 0.3F;
 inline constexpr std::int16_t kNoneNear = 1 << 14;  ///< a squared distance beyond every radius
 
 /// A row's pixels that are hidden, a bit a camera, and most of whose nine neighbours (with themselves, and

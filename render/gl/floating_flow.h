@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "render/gl/flow_compute.h"
+#include "render/gl/pull_push.h"
 
 namespace floatstage::render {
 
@@ -28,20 +30,12 @@ class FloatingFlow {
   FloatingFlow(FlowCompute solver, FlowPrecision precision)
       : solver_(std::move(solver)), precision_(precision) {}
 
-  /// What is known of the fields at one size, and what that is filled to.
-  struct FillLevel {
-    int width = 0, height = 0;
-    gl::Texture known, whole;
-  };
-  void fill(const FlowTables& tables, gl::Texture& flows);
-
   FlowCompute solver_;
   FlowPrecision precision_;
   FlowTables tables_;
-  gl::Kernel gray_, trust_, pull_, push_, settle_;
+  gl::Kernel gray_, trust_, settle_;
   gl::Texture gray_and_state_;
-  std::vector<FillLevel> levels_;
-  std::size_t fill_levels_ = 0;
+  std::optional<gl::PullPush> fill_;  // made by create()
 };
 
 }  // namespace floatstage::render

@@ -56,7 +56,7 @@ void FlowLevels::reserve(FlowLevel& level, int width, int height, int pictures) 
 }
 
 void FlowLevels::list_tiles(FlowLevel& level, const FlowTables& tables, gl::TileList& list, int side) {
-  const int across = groups_over(level.width, side), down = groups_over(level.height, side);
+  const int across = gl::groups_over(level.width, side), down = gl::groups_over(level.height, side);
   list.begin(static_cast<std::size_t>(across * down * tables.pictures()), tables.from_one());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, list.id());
   tiles_.set(0, level.width, level.height).set(1, side);
@@ -72,7 +72,7 @@ void FlowLevels::build(const VariationalPreset& preset, const FlowTables& tables
   for (int l = 0; l < count_; ++l, width = (width + 1) / 2, height = (height + 1) / 2) {
     FlowLevel& level = levels_[static_cast<std::size_t>(l)];
     reserve(level, width, height, pictures);
-    const int across = groups_over(width, kGroup), down = groups_over(height, kGroup);
+    const int across = gl::groups_over(width, kGroup), down = gl::groups_over(height, kGroup);
     const std::size_t pixels = level.pixels() * static_cast<std::size_t>(pictures);
     if (l == 0) {
       smooth_.set(0, width, height);

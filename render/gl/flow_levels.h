@@ -55,9 +55,6 @@ class FlowLevels {
   int count_ = 0;
 };
 
-/// How many work groups of `side` px cover `size` px.
-constexpr int groups_over(int size, int side) { return (size + side - 1) / side; }
-
 /// Storage of at least this size that holds zeros, not chance, when it is new.
 void reserve_cleared(gl::Texture& texture, GLenum format, int width, int height, int layers,
                      GLenum filter = GL_NEAREST);

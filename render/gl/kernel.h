@@ -49,6 +49,9 @@ class Kernel {
   Program program_;
 };
 
+/// How many work groups of `side` px cover `size` px.
+constexpr int groups_over(int size, int side) { return (size + side - 1) / side; }
+
 /// Of one texel.
 std::size_t bytes_of(GLenum format);
 

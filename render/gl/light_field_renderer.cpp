@@ -25,7 +25,8 @@ class LightFieldRenderer : public ViewRenderer {
     const Result<const SceneTextures*> textures = SceneTextures::of(scene);
     if (!textures) return forward(textures);
     const LightFieldPlane plane(*grid, view.view_from_world.center());
-    projection_.run(**textures, view, options, 0, false);
+    projection_.run(**textures, view, options, 0, false, false,
+                    1);  // its cameras are others than those listed
     target_.begin(view.model.width, view.model.height);
     if (projection_.window().empty()) {
       target_.clear(options.background);
@@ -38,7 +39,7 @@ class LightFieldRenderer : public ViewRenderer {
         StageTimes::enter("blending");
         projection_.draw(blend_, {&projection_.surface()}, target_);
       }
-      projection_.soften(**textures, options, target_);
+      projection_.soften(**textures, options, target_, false);
     }
     RenderedView drawn = rendered_view(scene, view, projection_, target_);
     drawn.cameras = strongest(scene.impl(), plane, view);

@@ -79,6 +79,9 @@ Result<Projection> Projection::create() {
     if (!kernel) return forward(kernel);
     *w.kernel = std::move(*kernel);
   }
+  Result<Unseen> unseen = Unseen::create();
+  if (!unseen) return forward(unseen);
+  p.unseen_ = std::move(*unseen);
   Result<Outline> outline = Outline::create();
   if (!outline) return forward(outline);
   p.outline_ = std::move(*outline);
@@ -141,9 +144,10 @@ void Projection::find_deepest(const SceneTextures& scene, const View& view, bool
 }
 
 void Projection::run(const SceneTextures& scene, const View& view, const RendererOptions& options, int margin,
-                     bool one_camera, bool levels) {
+                     bool one_camera, bool levels, float unreached) {
   choice_ = scene.scene->choose(view, options.cameras);
   window_ = window_of(view, scene.scene->mesh.positions, scene.scene->vertex_blocks, margin);
+  margin_ = margin;
   if (window_.empty()) return;
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
@@ -168,6 +172,7 @@ void Projection::run(const SceneTextures& scene, const View& view, const Rendere
   glDisable(GL_DEPTH_TEST);
 
   StageTimes::enter("visibility");
+  visibility_pass_.set(0, unreached);
   on_window(visibility_pass_, {&surface_, &scene.depth_maps.texture()},
             {&visibility_, &angular_[0], &angular_[1], &mattes_});
   StageTimes::enter("weights");
@@ -207,10 +212,10 @@ void ViewTarget::begin(int width, int height) {
 }
 
 const gl::Texture& ViewTarget::begin_again() {
-  const gl::Texture& first = colors_[0];
-  last_ = 1;
-  colors_[1].resize(GL_RGBA8, GL_LINEAR, first.width(), first.height());
-  return first;
+  const gl::Texture& drawn = colors_[last_];
+  last_ = 1 - last_;
+  colors_[last_].resize(GL_RGBA8, GL_LINEAR, drawn.width(), drawn.height());
+  return drawn;
 }
 
 void ViewTarget::clear(const std::array<float, 3>& background) {

@@ -8,6 +8,7 @@
 #include "render/gl/kernel.h"
 #include "render/gl/outline.h"
 #include "render/gl/scene_textures.h"
+#include "render/gl/unseen.h"
 #include "render/renderer.h"
 #include "render/view_window.h"
 
@@ -32,12 +33,14 @@ class Projection {
   static Result<Projection> create();
 
   /// Runs the passes. `one_camera` gives all weight to the best visible camera of each pixel, `levels` fills
-  /// the levels of all listed photographs, whatever the footprints are. After it the uniforms, the camera
+  /// the levels of all listed photographs, whatever the footprints are, `unreached` is the opacity of what no
+  /// picture of the list reaches. After it the uniforms, the camera
   /// buffer and the photographs stay bound for passes that go on from here.
   void run(const SceneTextures& scene, const View& view, const RendererOptions& options, int margin,
-           bool one_camera, bool levels = false);
+           bool one_camera, bool levels = false, float unreached = 0);
 
   const Window& window() const { return window_; }
+  int margin() const { return margin_; }  ///< px of it on each side, beyond what the proxy covers
   const CameraChoice& choice() const { return choice_; }
   const gl::Texture& surface() const { return surface_; }          ///< RGBA32F: normal, z
   const gl::Texture& visibility() const { return visibility_; }    ///< RG32UI: bits, proxy
@@ -57,8 +60,13 @@ class Projection {
   /// hide them.
   void draw_proxy(const SceneTextures& scene) const;
 
-  /// Once the view is drawn into `target`: gives it its opacity where the options want that.
-  void soften(const SceneTextures& scene, const RendererOptions& options, ViewTarget& target) {
+  /// Once the view is drawn into `target`: continues its surroundings where no camera sees it, and gives it
+  /// its opacity, where the options want that. `sees`: the colours are those of cameras that see what they
+  /// show.
+  void soften(const SceneTextures& scene, const RendererOptions& options, ViewTarget& target,
+              bool sees = true) {
+    if (sees && has_soft_outline(options) && options.output == RenderOutput::Color)
+      unseen_->run(*this, target);
     outline_->soften(*this, scene, options, target);
   }
 
@@ -74,11 +82,13 @@ class Projection {
   gl::Kernel visibility_pass_, soft_rows_, weights_pass_;
   gl::Buffer uniforms_;
   std::size_t uniform_capacity_ = 0;
-  std::optional<Outline> outline_;  // made by create()
+  std::optional<Unseen> unseen_;  // made by create(), as the next one
+  std::optional<Outline> outline_;
   gl::Texture surface_, z_buffer_, visibility_, row_distances_, mattes_;
   std::array<gl::Texture, 2> angular_, weights_, soft_;
   gl::Framebuffer surface_target_;
   Window window_;
+  int margin_ = 0;
   bool hides_backs_ = false;  // the proxy, in this view
   CameraChoice choice_;
   std::array<int, kMostListed> deepest_{};  // of the listed: the last level that any pixel reads
@@ -89,7 +99,7 @@ class Projection {
 class ViewTarget {
  public:
   void begin(int width, int height);
-  /// Begins a second picture from the first: that, to be read while drawing.
+  /// Begins another picture from the last one: that, to be read while drawing.
   const gl::Texture& begin_again();
   /// Makes it the background alone.
   void clear(const std::array<float, 3>& background);

@@ -94,6 +94,93 @@ TEST(CameraRanking, IsThatOfTheReferenceOfTheSceneSetLast) {
 }
 
 // Of a mesh without triangles nothing tells cameras apart but their places.
+/// What rank_rest() says, one sample and camera after the other.
+struct SlowRest {
+  double lacking = 0;
+  std::vector<double> angles;
+};
+SlowRest slow_rest(const Rig& rig, const RankingSamples& samples, const View& view,
+                   const std::vector<BlendedCamera>& blended) {
+  SlowRest rest{0, std::vector<double>(rig.cameras.size())};
+  double all = 0, total = 0;
+  for (const RankingSample& sample : samples) {
+    const RankingSamples one{sample};
+    const Eigen::Vector3d p = sample.point.cast<double>();
+    const std::vector<double> angles = mean_angles(rig.cameras, one, view);
+    const double weight = importance(view, p);
+    double have = 0, fades = 0;
+    for (const BlendedCamera& b : blended) {
+      have += b.fade * in_picture(rig.cameras[static_cast<std::size_t>(b.camera)], p);
+      fades += b.fade;
+    }
+    const double lack = weight * std::max(0.0, 1 - have / fades / 0.3F);
+    all += weight;
+    rest.lacking += lack;
+    total += lack + 0.02 * weight;
+    for (std::size_t i = 0; i < angles.size(); ++i)
+      rest.angles[i] +=
+          (lack + 0.02 * weight) * angles[i] + lack * M_PI * (1 - shows(rig.cameras[i], sample));
+  }
+  for (double& a : rest.angles) a /= total;
+  rest.lacking /= all;
+  return rest;
+}
+
+TEST(CameraRanking, OfTheRestIsThatOfTheSlowReference) {
+  Random random(8);
+  const RankingSamples samples = ranking_samples(ball(0.9F, 30));
+  int lacking = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    const Rig rig = any_rig(random, 3 + trial);
+    const View view = any_view(random);
+    CameraRanking ranking(rig.cameras, samples);
+    ranking.rank(view);
+    const std::vector<BlendedCamera> blended{{0, random.uniform(0.1, 1)}, {2, random.uniform(0.1, 1)}};
+    const SlowRest expected = slow_rest(rig, samples, view, blended);
+    const CameraRanking::Rest rest = ranking.rank_rest(view, blended);
+    EXPECT_NEAR(rest.lacking, expected.lacking, 1e-12);
+    if (rest.lacking == 0) continue;
+    ++lacking;
+    ASSERT_THAT(rest.ranked, testing::SizeIs(rig.cameras.size()));
+    for (std::size_t i = 0; i < rest.ranked.size(); ++i) {
+      const RankedCamera& camera = rest.ranked[i];
+      EXPECT_NEAR(camera.angle, expected.angles[static_cast<std::size_t>(camera.camera)], 1e-12);
+      EXPECT_LE(i == 0 ? 0 : rest.ranked[i - 1].nanoradians, camera.nanoradians);
+    }
+  }
+  EXPECT_GE(lacking, 5) << "all have it all";
+}
+
+TEST(CameraRanking, OfTheRestIsTheUsualOneWhereNothingIsMissing) {
+  const Rig rig = arc(9, 17);
+  CameraRanking ranking(rig.cameras, ranking_samples(ball(0.1F, 12)));
+  const std::span<const RankedCamera> usual = ranking.rank(view_at(5));
+  const std::vector<BlendedCamera> one{{usual[0].camera, 1}};
+  const CameraRanking::Rest rest = ranking.rank_rest(view_at(5), one);
+  EXPECT_EQ(rest.lacking, 0);
+  EXPECT_EQ(rest.ranked.data(), usual.data());
+}
+
+// Beyond the border it falls, behind the camera there is nothing.
+TEST(CameraRanking, KnowsWhatIsInAPicture) {
+  RigCamera camera{"c", small_camera(200, 100), look_at({0, -1, 0}, {0, 0, 0}, {0, 0, 1}), {}};
+  const double edge = 100 / camera.model.fx;  // metres from the axis at the picture's left and right
+  EXPECT_EQ(in_picture(camera, {0, 0, 0}), 1);
+  EXPECT_EQ(in_picture(camera, {0.99 * edge, 0, 0}), 1);
+  EXPECT_NEAR(in_picture(camera, {1.02 * edge, 0, 0}), 0.5, 1e-6);
+  EXPECT_NEAR(in_picture(camera, {-1.03 * edge, 0, 0}), 0.25, 1e-6);
+  EXPECT_EQ(in_picture(camera, {1.05 * edge, 0, 0}), 0);
+  EXPECT_EQ(in_picture(camera, {0, -1.5, 0}), 0);
+}
+
+TEST(CameraRanking, KnowsWhichSurfacesAPictureShows) {
+  const RigCamera camera{"c", small_camera(200, 100), look_at({0, -1, 0}, {0, 0, 0}, {0, 0, 1}), {}};
+  EXPECT_EQ(shows(camera, {{0, 0, 0}, {0, -1, 0}}), 1);
+  EXPECT_NEAR(shows(camera, {{0, 0, 0}, Eigen::Vector3f(1, -0.1F, 0).normalized()}), 0.5, 0.01) << "along it";
+  EXPECT_EQ(shows(camera, {{0, 0, 0}, {0, 1, 0}}), 0) << "from behind";
+  EXPECT_EQ(shows(camera, {{2, 0, 0}, {0, -1, 0}}), 0) << "beside the picture";
+}
+
 TEST(CameraRanking, IsByPlaceWithoutSamples) {
   const Rig rig = arc(5, 20);
   CameraRanking ranking(rig.cameras, {});
@@ -102,10 +189,10 @@ TEST(CameraRanking, IsByPlaceWithoutSamples) {
 
 TEST(CameraRanking, StandsACameraOnASample) {
   const Rig rig = arc(3, 20);
-  const RankingSamples samples{rig.cameras[1].cam_from_world.center().cast<float>(), {0, 0, 0}};
+  const RankingSamples samples{{rig.cameras[1].cam_from_world.center().cast<float>(), {0, 0, 0}}, {}};
   Rig exact = rig;
   exact.cameras[1].cam_from_world.rotation.setIdentity();
-  exact.cameras[1].cam_from_world.translation = -samples[0].cast<double>();
+  exact.cameras[1].cam_from_world.translation = -samples[0].point.cast<double>();
   CameraRanking ranking(exact.cameras, samples);
   expect_as_the_reference(exact, samples, view_at(7), ranking);
 }

@@ -28,13 +28,13 @@ struct Golden {
 };
 
 const Golden kGoldens[] = {
-    {"nearest", "nearest", RenderOutput::Color, 0.4762, {118.7, 126.9, 127.9}},
-    {"linear", "linear", RenderOutput::Color, 0.4762, {119.4, 128.1, 129.6}},
-    {"band_limited", "band-limited", RenderOutput::Color, 0.4762, {120.6, 129.2, 131.0}},
-    {"filtered", "filtered", RenderOutput::Color, 0.4762, {119.8, 128.5, 130.1}},
+    {"nearest", "nearest", RenderOutput::Color, 0.4742, {121.1, 129.1, 131.0}},
+    {"linear", "linear", RenderOutput::Color, 0.4742, {121.1, 129.4, 131.9}},
+    {"band_limited", "band-limited", RenderOutput::Color, 0.4742, {122.7, 130.7, 133.4}},
+    {"filtered", "filtered", RenderOutput::Color, 0.4742, {121.4, 129.7, 132.0}},
     {"light_field", "light-field", RenderOutput::Color, 1, {124.1, 131.8, 134.0}},
-    {"floating", "floating", RenderOutput::Color, 0.4742, {120.6, 128.9, 130.0}},
-    {"floating_static", "floating-static", RenderOutput::Color, 0.4762, {119.6, 128.0, 129.5}},
+    {"floating", "floating", RenderOutput::Color, 0.4742, {122.8, 130.9, 132.7}},
+    {"floating_static", "floating-static", RenderOutput::Color, 0.4742, {121.0, 129.1, 131.5}},
     {"floating_static_flow", "floating-static", RenderOutput::Flow, 0.4837, {254.6, 227.4, 229.4}},
     {"floating_weights", "floating", RenderOutput::Weights, 0.4837, {138.9, 168.7, 110.1}},
     {"floating_soft_visibility", "floating", RenderOutput::SoftVisibility, 0.4837, {103.7, 91.3, 96.8}},

@@ -129,6 +129,19 @@ TEST(FlowSize, MustBeAFractionThatLeavesSomething) {
   }
 }
 
+// The photographs of those that stand in are asked for only where they are shown.
+TEST(NeededCameras, AreMoreWhereTheNearestOnesLackSomebody) {
+  Rig rig = arc(8, 20);
+  const auto turn = [](RigCamera& camera, const Eigen::Vector3d& towards) {
+    camera.cam_from_world = look_at(camera.cam_from_world.center(), towards, Eigen::Vector3d::UnitZ());
+  };
+  for (std::size_t i = 0; i < 3; ++i) turn(rig.cameras[i], {0, 0, -0.3});  // the ball's upper half is cut off
+  const std::vector<int> needed = needed_cameras(rig, ball(0.25F), view_at(-45), 3);
+  ASSERT_THAT(needed, SizeIs(6));
+  EXPECT_EQ(std::vector<int>(needed.begin(), needed.begin() + 3), (std::vector<int>{1, 2, 0}));
+  EXPECT_THAT(needed, testing::Contains(3));
+}
+
 TEST(NeededCameras, AreTheNearestByAngleStrongestFirst) {
   const Rig rig = arc(8, 20);  // at -70, -50, … 70 degrees
   const std::vector<int> needed = needed_cameras(rig, ball(0.25F), view_at(-45), 3);

@@ -16,7 +16,8 @@ namespace {
 
 RankingSamples samples_of(const Mesh& mesh) {
   RankingSamples samples;
-  for (std::size_t i = 0; i < mesh.positions.size(); i += 7) samples.push_back(mesh.positions[i]);
+  for (std::size_t i = 0; i < mesh.positions.size(); i += 7)
+    samples.push_back({mesh.positions[i], mesh.positions[i].normalized()});
   return samples;
 }
 
@@ -78,6 +79,57 @@ TEST(CameraChoice, EqualAnglesAreOrderedByPlaceNotByNumber) {
   ASSERT_EQ(forward_order.listed.size(), backward.listed.size());
   for (std::size_t i = 0; i < backward.listed.size(); ++i)
     EXPECT_EQ(forward_order.listed[i], 3 - backward.listed[i]);
+}
+
+// A tall subject of which the cameras about the view have the lower half in their pictures: whoever has the
+// upper half stands in for them, from wherever it is, and comes and goes by degrees.
+Rig half_blind(int count) {
+  Rig rig = arc(count, 20);
+  for (int i = 0; i < count; ++i)
+    if (i != 1 && i != 6)
+      rig.cameras[static_cast<std::size_t>(i)].cam_from_world =
+          look_at(rig.cameras[static_cast<std::size_t>(i)].cam_from_world.center(), {0, 0, -0.4}, {0, 0, 1});
+  return rig;
+}
+
+TEST(CameraChoice, LetsThoseStandInThatHaveWhatTheChosenLack) {
+  const CameraChoice choice = chosen(half_blind(8), 3, 3);  // among cameras 3 and 4
+  ASSERT_EQ(choice.listed.size(), 6U);
+  EXPECT_GT(choice.lacking, 0.1);
+  EXPECT_THAT(std::vector<int>(choice.listed.begin() + 3, choice.listed.begin() + 5),
+              testing::UnorderedElementsAre(1, 6));
+  const float strongest = *std::max_element(choice.stand_in_fade.begin() + 3, choice.stand_in_fade.end());
+  EXPECT_FLOAT_EQ(strongest, 1) << "it counts there as much as the nearest elsewhere";
+  for (std::size_t i = 0; i < choice.listed.size(); ++i)
+    EXPECT_GE(choice.stand_in_fade[i], choice.fade[i]) << "camera " << choice.listed[i];
+}
+
+TEST(CameraChoice, KeepsItsOrderWhereNothingIsMissing) {
+  const CameraChoice choice = chosen(arc(8, 20), 3, 3);
+  EXPECT_EQ(choice.lacking, 0);
+  EXPECT_THAT(std::vector<int>(choice.listed.begin(), choice.listed.end()),
+              testing::ElementsAre(4, 3, 5, 2, 6, 1));
+}
+
+TEST(CameraChoice, SharesOfThoseThatStandInAreContinuousAlongAPath) {
+  const Rig rig = half_blind(8);
+  auto shares = [&](double degrees) {
+    const CameraChoice choice = chosen(rig, degrees, 3);
+    std::map<int, double> share;
+    double sum = 0;
+    for (const float fade : choice.stand_in_fade) sum += fade;
+    for (std::size_t i = 0; i < choice.listed.size(); ++i)
+      share[choice.listed[i]] = choice.stand_in_fade[i] / sum;
+    return share;
+  };
+  std::map<int, double> before = shares(-30);
+  for (double degrees = -29.95; degrees < 30; degrees += 0.05) {
+    std::map<int, double> now = shares(degrees);
+    for (int camera = 0; camera < 8; ++camera)
+      ASSERT_NEAR(now.count(camera) ? now[camera] : 0, before.count(camera) ? before[camera] : 0, 0.03)
+          << "camera " << camera << " at " << degrees;
+    before = now;
+  }
 }
 
 // A dome of five by five cameras, 20 degrees apart, and what a view from (degrees, elevation) takes of it.

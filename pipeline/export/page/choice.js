@@ -2,6 +2,7 @@
 "use strict";
 
 const kLeastFade = 1e-6, kAsNear = 1.75, kStandIns = 3, kMostListed = 6;
+const kRim = 0.02, kFacing = 0.2, kShown = 0.02, kEnough = 0.3;
 
 const vec = {
   sub: (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]],
@@ -31,37 +32,83 @@ function importance(view, point) {
   return 1e-4 + 1 / (1 + r2 * r2);
 }
 
-// [{index, fade, standIn}], strongest first. `cameras` have a centre; `pictured` says which have a picture now.
-function chooseCameras(cameras, samples, view, count, pictured) {
+// How well a camera has a point in its picture: 1 inside, falling to 0 beyond the border.
+function inPicture(camera, point) {
+  const m = camera.matrix, row = (i) => m[i] * point[0] + m[4 + i] * point[1] + m[8 + i] * point[2] + m[12 + i];
+  const z = row(2);
+  if (z <= 0) return 0;
+  const x = camera.fx * row(0) / z + camera.cx, y = camera.fy * row(1) / z + camera.cy;
+  const within = Math.min(x, camera.width - x, y, camera.height - y);
+  return Math.min(1, Math.max(0, 1 + within / (kRim * camera.width)));
+}
+
+// How well a camera sees a surface there, but for what stands before it: in its picture, and not from along it.
+function shows(camera, point, normal) {
+  const facing = vec.dot(normal, vec.normal(vec.sub(camera.center, point)));
+  return inPicture(camera, point) * Math.min(1, Math.max(0, facing / kFacing));
+}
+
+// Of points with weights, how far each camera is from the view: the mean angle between the rays to both.
+// `missing(p)` says how much of it counts against a camera that does not show it.
+function ranking(cameras, samples, view, weightOf, missing) {
   const angle = cameras.map(() => 0);
   let total = 0;
-  for (const p of samples) {
-    const weight = importance(view, p), toView = vec.normal(vec.sub(view.eye, p));
+  for (const { point: p, normal } of samples) {
+    const weight = weightOf(p), penalty = missing(p), toView = vec.normal(vec.sub(view.eye, p));
     total += weight;
     cameras.forEach((c, i) => {
       const chord = vec.length(vec.sub(toView, vec.normal(vec.sub(c.center, p))));
       angle[i] += weight * 2 * Math.asin(Math.min(1, 0.5 * chord));
+      if (penalty > 0) angle[i] += penalty * Math.PI * (1 - shows(c, p, normal));
     });
   }
   if (total > 0) angle.forEach((a, i) => { angle[i] = a / total; });
-  const order = cameras.map((c, i) => i).sort((a, b) => angle[a] - angle[b]);
+  return { angle, order: cameras.map((c, i) => i).sort((a, b) => angle[a] - angle[b]) };
+}
+
+const fadeOf = (a, end) => end > 0 ? Math.max(0, 1 - a / end) : 0;
+
+// [{index, fade, standIn}], strongest first. `cameras` are the page's; `pictured` says which have a picture now.
+function chooseCameras(cameras, samples, view, count, pictured) {
+  const nearest = ranking(cameras, samples, view, (p) => importance(view, p), () => 0), { angle, order } = nearest;
   const usable = order.map((c, rank) => rank).filter((rank) => pictured[order[rank]]);
   const asked = Math.min(count, usable.length), most = Math.min(usable.length, 2 * count, kMostListed);
   const asNear = count > 1 && order.length > 0 ? kAsNear * angle[order[0]] : 0;
   let chosen = asked;
   while (chosen < most && angle[order[usable[chosen]]] < asNear) ++chosen;
-  const listed = Math.min(usable.length, chosen + kStandIns, kMostListed);
-  const endOfFade = (members) => {
-    const rank = members === 0 ? 0 : usable[members - 1] + 1;
-    return rank < order.length ? angle[order[rank]] : null;
-  };
-  const fade = (a, end) => end === null ? 1 : end > 0 ? Math.max(0, 1 - a / end) : 0;
-  const listedEnd = endOfFade(listed), choice = [];
-  let chosenEnd = endOfFade(chosen);
-  if (chosen > asked) chosenEnd = Math.min(asNear, chosenEnd ?? asNear);
-  for (let i = 0; i < listed; ++i) {
+  const next = chosen === 0 ? 0 : usable[chosen - 1] + 1;
+  let chosenEnd = next < order.length ? angle[order[next]] : Infinity;
+  if (chosen > asked) chosenEnd = Math.min(asNear, chosenEnd);
+  const choice = [];
+  for (let i = 0; i < chosen; ++i) {
     const index = order[usable[i]];
-    choice.push({ index, fade: i >= chosen ? 0 : fade(angle[index], chosenEnd), standIn: Math.max(kLeastFade, fade(angle[index], listedEnd)) });
+    choice.push({ index, fade: fadeOf(angle[index], chosenEnd) });
   }
+
+  // Those that stand in: the next ones, or whoever has what lies beyond the pictures of the chosen ones.
+  const fades = choice.map(({ fade }) => Math.max(kLeastFade, fade)), all = fades.reduce((sum, f) => sum + f, 0);
+  const lack = (p) => {
+    const have = choice.reduce((sum, { index }, i) => sum + fades[i] * inPicture(cameras[index], p), 0);
+    return importance(view, p) * (1 - Math.min(1, have / (kEnough * all)));
+  };
+  const rest = samples.some(({ point }) => lack(point) > 0)
+    ? ranking(cameras, samples, view, (p) => lack(p) + kShown * importance(view, p), lack) : nearest;
+  const listed = Math.min(chosen + kStandIns, kMostListed);
+  let end = Infinity;
+  for (const index of rest.order) {
+    const isChosen = choice.slice(0, chosen).some((c) => c.index === index), room = choice.length < listed;
+    if (isChosen) {
+      if (room || chosen === listed) end = Infinity;
+    } else if (room && pictured[index]) {
+      choice.push({ index, fade: 0 });
+      end = Infinity;
+    } else {
+      end = Math.min(end, rest.angle[index]);
+    }
+  }
+  // Whoever has what is missing counts as much there as the chosen ones do elsewhere.
+  const own = choice.map(({ index }) => Math.max(kLeastFade, fadeOf(rest.angle[index], end)));
+  const strongest = rest === nearest ? 1 : Math.max(...own);
+  choice.forEach((camera, i) => { camera.standIn = Math.max(camera.fade, own[i] / strongest); });
   return choice;
 }

@@ -63,7 +63,11 @@ class Frames {
     const blob = new Blob([bytesOf(file.sheet)], { type: "image/jpeg" });
     const picture = await createImageBitmap(blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
     const triangles = indices.length / 3, stride = Math.max(1, Math.floor(triangles / 96)), samples = [];
-    for (let t = 0; t < triangles; t += stride) samples.push([...positions.subarray(3 * indices[3 * t], 3 * indices[3 * t] + 3)]);
+    const corner = (i) => [...positions.subarray(3 * indices[i], 3 * indices[i] + 3)];
+    for (let t = 0; t < triangles; t += stride) {
+      const point = corner(3 * t), across = vec.cross(vec.sub(corner(3 * t + 1), point), vec.sub(corner(3 * t + 2), point));
+      samples.push({ point, normal: vec.mul(across, 1 / Math.max(vec.length(across), 1e-30)) });
+    }
     const middle = vec.mul(vec.add(low, high), 0.5), radius = 0.5 * vec.length(vec.sub(high, low)) + 1e-6;
     return { positions, indices, picture, tiles, samples, middle, radius };
   }

@@ -5,6 +5,7 @@ layout(binding = 0) writeonly uniform uimage2D result_out;
 layout(binding = 1) writeonly uniform image2D angular0_out;
 layout(binding = 2) writeonly uniform image2D angular1_out;
 layout(binding = 3) writeonly uniform image2D mattes_out;
+layout(location = 0) uniform float unreached;  // how opaque is what no picture of the list reaches
 
 uvec2 result = uvec2(0u);  // x: bit per listed camera, y: the proxy is here
 // 1/angle, signed: negative where the camera's picture does not reach or shows no subject
@@ -44,7 +45,7 @@ void look(ivec2 at) {
   result.y = 1u;
   vec3 world = world_at(vec2(at) + 0.5, s.w);
   vec3 to_view = normalize(view.view_center.xyz - world);
-  float sum = 0.0, total = 0.0, most = 0.0, behind = -1.0;
+  float sum = 0.0, total = 0.0, most = 0.0, behind = unreached;
   for (int slot = 0; slot < view.counts.x; ++slot) {
     int index = listed(slot);
     vec3 p = (cameras[index].cam_from_world * vec4(world, 1.0)).xyz;
@@ -74,7 +75,7 @@ void look(ivec2 at) {
   }
   if (total > 0.0)
     mattes = vec2(sum / total, most);
-  else if (behind >= 0.0)
+  else
     mattes.y = behind;
 }
 
