@@ -26,6 +26,12 @@ RankingSample sample_of(const Mesh& mesh, const std::uint32_t* corners) {
   return {a, normal};
 }
 
+/// 1 where a camera looks at a surface, falling to 0 where it looks along it.
+double facing(const RigCamera& camera, const Eigen::Vector3d& p, const Eigen::Vector3f& normal) {
+  const Eigen::Vector3d to_camera = (camera.cam_from_world.center() - p).normalized();
+  return std::clamp(normal.cast<double>().dot(to_camera) / kFacing, 0.0, 1.0);
+}
+
 }  // namespace
 
 double importance(const View& view, const Eigen::Vector3d& world) {
@@ -77,8 +83,7 @@ double in_picture(const RigCamera& camera, const Eigen::Vector3d& world) {
 
 double shows(const RigCamera& camera, const RankingSample& sample) {
   const Eigen::Vector3d p = sample.point.cast<double>();
-  const Eigen::Vector3d to_camera = (camera.cam_from_world.center() - p).normalized();
-  return in_picture(camera, p) * std::clamp(sample.normal.cast<double>().dot(to_camera) / kFacing, 0.0, 1.0);
+  return in_picture(camera, p) * facing(camera, p, sample.normal);
 }
 
 void CameraRanking::set(const std::vector<RigCamera>& cameras, const RankingSamples& samples) {
@@ -96,8 +101,9 @@ void CameraRanking::set(const std::vector<RigCamera>& cameras, const RankingSamp
     const Eigen::Vector3d p = samples[s].point.cast<double>();
     unit_rays(p, centers_.data(), lanes_, rays_.data() + s * centers_.size());
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-      pictured_[s * lanes_ + i] = in_picture(cameras[i], p);
-      shown_[s * lanes_ + i] = shows(cameras[i], samples[s]);
+      const std::size_t at = s * lanes_ + i;
+      pictured_[at] = in_picture(cameras[i], p);
+      shown_[at] = pictured_[at] * facing(cameras[i], p, samples[s].normal);
     }
   }
 
