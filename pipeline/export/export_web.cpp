@@ -2,13 +2,13 @@
 
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
 #include "core/text.h"
 #include "pipeline/export/instant.h"
+#include "pipeline/export/page_start.h"
 #include "pipeline/export/web_frame.h"
 #include "pipeline/export/web_page.h"
 #include "pipeline/film_sound.h"
@@ -22,9 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr double kPathRate = 50;     // keys a second that a path is sampled at
-constexpr double kFieldOfView = 40;  // degrees, where nothing is said
-constexpr double kUsualRate = 25;    // frames a second of takes that state none
+constexpr double kPathRate = 50;   // keys a second that a path is sampled at
+constexpr double kUsualRate = 25;  // frames a second of takes that state none
 
 json numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -46,21 +45,15 @@ json cameras_of(const Rig& rig) {
   return cameras;
 }
 
-// Where the page begins: before the first camera, as high as the cameras stand, the subject whole.
 json start_of(const Rig& rig, const Eigen::AlignedBox3d& subject) {
-  const Eigen::Vector3d target = subject.center(),
-                        first = rig.cameras.front().cam_from_world.center() - target;
-  double elevation = 0;
-  for (const RigCamera& camera : rig.cameras) {
-    const Eigen::Vector3d d = camera.cam_from_world.center() - target;
-    elevation += std::atan2(d.z(), d.head<2>().norm()) / static_cast<double>(rig.cameras.size());
-  }
-  const double half = 0.5 * kFieldOfView * std::numbers::pi / 180;
-  return {{"target", numbers(target)},
-          {"azimuth", std::atan2(first.y(), first.x())},
-          {"elevation", elevation},
-          {"distance", 0.5 * subject.diagonal().norm() / std::sin(half)},
-          {"fov_y", kFieldOfView}};
+  const PageStart start = page_start(rig, subject);
+  return {{"target", numbers(start.target)},
+          {"up", numbers(start.up)},
+          {"east", numbers(start.east)},
+          {"azimuth", 0},
+          {"elevation", start.elevation},
+          {"distance", start.distance},
+          {"fov_y", start.fov_y}};
 }
 
 // Each with the frame that is shown then, as a place in `frames`.

@@ -7,7 +7,7 @@
   // A picture that takes longer (ms) comes too late for its sound: the next ones have half of the pixels. After so many quick
   // ones in a row more are tried, later each time that this was too many.
   const kLate = 40, kQuick = 20, kRungs = 6, kCalm = 50;
-  const orbit = { ...take.start };  // target, azimuth, elevation (radians), distance, fov_y
+  const orbit = { ...take.start };  // target, up, east, azimuth from there, elevation (radians), distance, fov_y
   const state = { frame: 0, playing: false, onPath: false, began: 0, shown: -1, wanted: true };
   const pace = { chosen: 0, whole: 0, lag: 0, rung: 0, late: 0, calm: 0, patience: kCalm, tried: false };  // of playing
   let renderer, frames, listen;
@@ -16,12 +16,13 @@
   function failed(error) { console.error(error); say(error.message); stop(); }
 
   function orbitKey() {
-    const { target, azimuth, elevation, distance, fov_y } = orbit;
-    const c = Math.cos(elevation), eye = vec.add(target, vec.mul([c * Math.cos(azimuth), c * Math.sin(azimuth), Math.sin(elevation)], distance));
+    const { target, up, east, azimuth, elevation, distance, fov_y } = orbit;
+    const north = vec.cross(up, east), level = vec.add(vec.mul(east, Math.cos(azimuth)), vec.mul(north, Math.sin(azimuth)));
+    const away = vec.add(vec.mul(level, Math.cos(elevation)), vec.mul(up, Math.sin(elevation))), eye = vec.add(target, vec.mul(away, distance));
     // A tall window shows as much from side to side as a wide one does from top to bottom.
     const aspect = canvas.width / canvas.height;
     const fov = aspect >= 0.75 ? fov_y : 2 * Math.atan(Math.tan(fov_y * Math.PI / 360) * 0.75 / aspect) * 180 / Math.PI;
-    return { eye, target, up: [0, 0, 1], fov_y: fov };
+    return { eye, target, up, fov_y: fov };
   }
 
   // Between two of the path's cameras; the frame is the earlier one's.
@@ -202,6 +203,7 @@
     take,
     get shown() { return state.shown; },
     get azimuth() { return orbit.azimuth; },
+    get key() { return orbitKey(); },  // where one stands, but for a path
     get pace() { return { ...pace }; },
     get heard() { return listen.position; },  // seconds; null while nothing is
     pathKey,

@@ -9,6 +9,7 @@
 
 #include "core/file.h"
 #include "core/png.h"
+#include "pipeline/export/page_start.h"
 #include "pipeline/export/photo_sheet.h"
 #include "pipeline/export/web_frame.h"
 #include "pipeline/export/web_page.h"
@@ -35,6 +36,8 @@ PathKey key_at(double azimuth, double elevation, double distance, const Eigen::V
                                                 std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
   return key;
 }
+
+Eigen::Vector3d vector_of(const json& j) { return {j[0], j[1], j[2]}; }
 
 json to_json_key(const PathKey& key) {
   const auto list = [](const Eigen::Vector3d& v) { return json{v.x(), v.y(), v.z()}; };
@@ -153,6 +156,11 @@ TEST_F(AnExportedPage, ShowsWhatLinearShows) {
   browser.open(url());
   ASSERT_TRUE(browser.becomes_true("window.floatstage && floatstage.shown === 0", 60));
   keep(browser, "page");
+  const json start = browser.value("floatstage.take.start"), begun = browser.value("floatstage.key");
+  const PageStart there{vector_of(start["target"]), vector_of(start["up"]), vector_of(start["east"]),
+                        start["elevation"],         start["distance"],      start["fov_y"]};
+  EXPECT_LT((vector_of(begun["eye"]) - there.eye()).norm(), 1e-9);
+  EXPECT_LT((vector_of(begun["up"]) - Eigen::Vector3d::UnitZ()).norm(), 1e-6);
   int n = 0;
   for (const auto& [width, height] : {std::pair{1280, 800}, std::pair{390, 844}})
     for (const double azimuth : {0.2, 1.7, -2.3}) {
@@ -252,6 +260,35 @@ TEST_F(AnExportedPage, SaysWhichFileIsMissing) {
   Browser browser(390, 844);
   browser.open(url());
   EXPECT_TRUE(browser.becomes_true("document.getElementById('message').textContent.includes('000000.js')"));
+}
+
+// Of a rig whose world has another axis up than z: its cameras say which.
+TEST(ExportWeb, BeginsUprightWhateverTheWorldCallsUp) {
+  Rig rig;
+  for (int i = 0; i < 6; ++i) {
+    const double a = i * 0.4;
+    rig.cameras.push_back(
+        {text("c", i),
+         CameraModel{
+             .width = 400, .height = 300, .fx = 600, .fy = 600, .cx = 200, .cy = 150, .skew = 0, .lens = {}},
+         look_at({3 * std::cos(a), 3 * std::sin(a), 1.5}, {0, 0, 1}, {0, 0, 1}),
+         {}});
+  }
+  const Eigen::AlignedBox3d subject(Eigen::Vector3d(-0.4, -0.3, 0), Eigen::Vector3d(0.4, 0.3, 1.8));
+  const PageStart usual = page_start(rig, subject);
+  EXPECT_LT((usual.up - Eigen::Vector3d::UnitZ()).norm(), 1e-6);
+  EXPECT_NEAR(usual.eye().y(), 0, 1e-9) << "before the first camera";
+  EXPECT_GT(usual.eye().z(), 0.9) << "as high as they stand";
+
+  // The same stage with -y up: x stays, z becomes -y.
+  const Rigid3 turn{Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX())),
+                    Eigen::Vector3d::Zero()};
+  for (RigCamera& camera : rig.cameras) camera.cam_from_world = camera.cam_from_world * turn.inverse();
+  const Eigen::AlignedBox3d turned(Eigen::Vector3d(-0.4, -1.8, -0.3), Eigen::Vector3d(0.4, 0, 0.3));
+  const PageStart other = page_start(rig, turned);
+  EXPECT_LT((other.up - turn * usual.up).norm(), 1e-6);
+  EXPECT_LT((other.eye() - turn * usual.eye()).norm(), 1e-6);
+  EXPECT_LT((other.east - turn * usual.east).norm(), 1e-6);
 }
 
 TEST(ExportWeb, HoldsNoAddressOfAnotherMachine) {
