@@ -37,7 +37,9 @@ PathKey key_at(double azimuth, double elevation, double distance, const Eigen::V
   return key;
 }
 
-Eigen::Vector3d vector_of(const json& j) { return {j[0], j[1], j[2]}; }
+Eigen::Vector3d vector_of(const json& j) {
+  return {j[0].get<double>(), j[1].get<double>(), j[2].get<double>()};
+}
 
 json to_json_key(const PathKey& key) {
   const auto list = [](const Eigen::Vector3d& v) { return json{v.x(), v.y(), v.z()}; };
