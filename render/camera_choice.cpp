@@ -26,7 +26,6 @@ void list_stand_ins(CameraRanking& ranking, const View& view, const std::vector<
     blended.push_back({choice.listed[i], std::max(kLeastFade, static_cast<double>(choice.fade[i]))});
   const CameraRanking::Rest rest = ranking.rank_rest(view, {blended.begin(), blended.end()});
   choice.lacking = rest.lacking;
-  if (rest.ranked.empty()) return;
 
   const std::size_t most = std::min<std::size_t>(choice.chosen + kStandIns, kMostListed);
   ShortList<double, kMostListed> angles;
@@ -48,6 +47,7 @@ void list_stand_ins(CameraRanking& ranking, const View& view, const std::vector<
       end = std::min(end, camera.angle);
     }
   }
+  if (choice.listed.empty()) return;
   // Whoever has what is missing counts as much there as the chosen ones do elsewhere.
   const double least = *std::min_element(angles.begin(), angles.end());
   const double strongest = rest.lacking > 0 ? std::max(kLeastFade, fade(least, end)) : 1;

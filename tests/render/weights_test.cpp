@@ -46,6 +46,14 @@ TEST(CameraChoice, UsesAllCamerasWhenThereAreFewerThanAsked) {
   for (const float fade : choice.fade) EXPECT_EQ(fade, 1);
 }
 
+TEST(CameraChoice, ListsNobodyWhereNobodyHasAPicture) {
+  const Rig rig = arc(2, 20);
+  CameraRanking ranking(rig.cameras, samples_of(ball(0.25F, 12)));
+  const CameraChoice choice = choose_cameras(ranking, view_at(3), 3, {false, false});
+  EXPECT_TRUE(choice.listed.empty());
+  EXPECT_TRUE(choice.stand_in_fade.empty());
+}
+
 // Along a path each camera's share changes little from step to step, also where one camera replaces another.
 TEST(CameraChoice, SharesAreContinuousAlongAPath) {
   const Rig rig = arc(8, 20);
