@@ -120,6 +120,25 @@ TEST_P(WhatNobodySees, FadesWhereNoPictureReaches) {
   EXPECT_GT(faded, 200);
 }
 
+// Of the cameras about the view none has the lower half in its picture: whoever has it draws it, from far
+// off.
+TEST_P(WhatNobodySees, IsDrawnByWhoeverHasItInThePicture) {
+  Rig rig = arc(9, 12);
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i)
+    if (i % 8 != 0)
+      rig.cameras[i].cam_from_world =
+          look_at(rig.cameras[i].cam_from_world.center(), {0, 0, 0.25}, Eigen::Vector3d::UnitZ());
+  const Mesh mesh = ball(0.2F, 48);
+  const Stage stage = photographed(rig, mesh, mesh);
+  const View view = view_at(3);
+  const Photograph truth = photograph(mesh, view.model, view.view_from_world, 3, random_checker(0.04F, 5));
+  const Image picture = rendered(stage, view, "linear");
+  const auto lower = [&](int x, int y) { return y > 75 && well_inside(picture, x, y, 3); };
+  EXPECT_GT(psnr(picture, truth.rgb, lower), 20);
+  EXPECT_GT(psnr(picture, truth.rgb, [&](int x, int y) { return y < 60 && well_inside(picture, x, y, 3); }),
+            20);
+}
+
 TEST(WhatNobodySeesOnBothBackEnds, IsAlike) {
   class OnOne : public Rendering {
     void TestBody() override {}
