@@ -132,27 +132,32 @@ std::span<const RankedCamera> CameraRanking::rank(const View& view) {
 }
 
 CameraRanking::Rest CameraRanking::rank_rest(const View& view, std::span<const BlendedCamera> blended) {
-  const Eigen::Vector3d eye = view.view_from_world.center();
-  double all = 0, lacking = 0, weights = 0;
+  double all = 0, lacking = 0, total = 0;
   for (const BlendedCamera& b : blended) all += b.fade;
-  angles_.assign(lanes_, 0.0);
+  ShortList<double, 2 * kRankingSamples> weights, lacks;
   for (std::size_t s = 0; s < samples_.size(); ++s) {
-    const Eigen::Vector3d p = samples_[s].point.cast<double>();
     const double* pictured = pictured_.data() + s * lanes_;
     double have = 0;
     for (const BlendedCamera& b : blended) have += b.fade * pictured[static_cast<std::size_t>(b.camera)];
-    const double weight = importance(view, p), lack = weight * (1 - std::min(1.0, have / (kEnough * all)));
-    add_angles((eye - p).normalized(), 2 * (lack + kShown * weight), rays_.data() + s * centers_.size(),
-               lanes_, angles_.data());
-    weights += weight;
-    if (lack <= 0) continue;
-    lacking += lack;
-    const double* shown = shown_.data() + s * lanes_;
-    for (std::size_t i = 0; i < lanes_; ++i) angles_[i] += lack * std::numbers::pi * (1 - shown[i]);
+    const double weight = importance(view, samples_[s].point.cast<double>());
+    weights.push_back(weight);
+    lacks.push_back(weight * (1 - std::min(1.0, have / (kEnough * all))));
+    lacking += lacks[s];
+    total += weight;
   }
   if (!(lacking > 0)) return {0, ranked_};
-  order(lacking + kShown * weights, rest_);
-  return {lacking / weights, rest_};
+
+  const Eigen::Vector3d eye = view.view_from_world.center();
+  angles_.assign(lanes_, 0.0);
+  for (std::size_t s = 0; s < samples_.size(); ++s) {
+    const Eigen::Vector3d to_view = (eye - samples_[s].point.cast<double>()).normalized();
+    add_angles(to_view, 2 * (lacks[s] + kShown * weights[s]), rays_.data() + s * centers_.size(), lanes_,
+               angles_.data());
+    const double* shown = shown_.data() + s * lanes_;
+    for (std::size_t i = 0; i < lanes_; ++i) angles_[i] += lacks[s] * std::numbers::pi * (1 - shown[i]);
+  }
+  order(lacking + kShown * total, rest_);
+  return {lacking / total, rest_};
 }
 
 // By the lanes' angles, of which `total` weights were summed.

@@ -49,19 +49,19 @@ function shows(camera, point, normal) {
 }
 
 // Of points with weights, how far each camera is from the view: the mean angle between the rays to both.
-// `missing(p)` says how much of it counts against a camera that does not show it.
-function ranking(cameras, samples, view, weightOf, missing) {
+// `missing` says how much of each counts against a camera that does not show it.
+function ranking(cameras, samples, view, weights, missing) {
   const angle = cameras.map(() => 0);
   let total = 0;
-  for (const { point: p, normal } of samples) {
-    const weight = weightOf(p), penalty = missing(p), toView = vec.normal(vec.sub(view.eye, p));
+  samples.forEach(({ point: p, normal }, sample) => {
+    const weight = weights[sample], penalty = missing ? missing[sample] : 0, toView = vec.normal(vec.sub(view.eye, p));
     total += weight;
     cameras.forEach((c, i) => {
       const chord = vec.length(vec.sub(toView, vec.normal(vec.sub(c.center, p))));
       angle[i] += weight * 2 * Math.asin(Math.min(1, 0.5 * chord));
       if (penalty > 0) angle[i] += penalty * Math.PI * (1 - shows(c, p, normal));
     });
-  }
+  });
   if (total > 0) angle.forEach((a, i) => { angle[i] = a / total; });
   return { angle, order: cameras.map((c, i) => i).sort((a, b) => angle[a] - angle[b]) };
 }
@@ -70,7 +70,8 @@ const fadeOf = (a, end) => end > 0 ? Math.max(0, 1 - a / end) : 0;
 
 // [{index, fade, standIn}], strongest first. `cameras` are the page's; `pictured` says which have a picture now.
 function chooseCameras(cameras, samples, view, count, pictured) {
-  const nearest = ranking(cameras, samples, view, (p) => importance(view, p), () => 0), { angle, order } = nearest;
+  const weights = samples.map(({ point }) => importance(view, point));
+  const nearest = ranking(cameras, samples, view, weights, null), { angle, order } = nearest;
   const usable = order.map((c, rank) => rank).filter((rank) => pictured[order[rank]]);
   const asked = Math.min(count, usable.length), most = Math.min(usable.length, 2 * count, kMostListed);
   const asNear = count > 1 && order.length > 0 ? kAsNear * angle[order[0]] : 0;
@@ -87,12 +88,12 @@ function chooseCameras(cameras, samples, view, count, pictured) {
 
   // Those that stand in: the next ones, or whoever has what lies beyond the pictures of the chosen ones.
   const fades = choice.map(({ fade }) => Math.max(kLeastFade, fade)), all = fades.reduce((sum, f) => sum + f, 0);
-  const lack = (p) => {
-    const have = choice.reduce((sum, { index }, i) => sum + fades[i] * inPicture(cameras[index], p), 0);
-    return importance(view, p) * (1 - Math.min(1, have / (kEnough * all)));
-  };
-  const rest = samples.some(({ point }) => lack(point) > 0)
-    ? ranking(cameras, samples, view, (p) => lack(p) + kShown * importance(view, p), lack) : nearest;
+  const lacks = samples.map(({ point }, sample) => {
+    const have = choice.reduce((sum, { index }, i) => sum + fades[i] * inPicture(cameras[index], point), 0);
+    return weights[sample] * (1 - Math.min(1, have / (kEnough * all)));
+  });
+  const rest = lacks.some((lack) => lack > 0)
+    ? ranking(cameras, samples, view, lacks.map((lack, sample) => lack + kShown * weights[sample]), lacks) : nearest;
   const listed = Math.min(chosen + kStandIns, kMostListed);
   let end = Infinity;
   for (const index of rest.order) {
