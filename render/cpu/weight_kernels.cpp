@@ -136,6 +136,7 @@ void BlendingWeights(const WeightRow& row) {
   for (std::size_t i = 0; i < static_cast<std::size_t>(row.count); i += hn::Lanes(d)) {
     const auto bits = hn::PromoteTo(di, hn::LoadU(d8, row.visible + i));
     auto all = least, chosen = zero, listed_all = least, in_list = zero, in_picture = zero;
+    auto strongest = zero, second = zero, beside = zero;  // of the list; of those that do not have it
     for (std::size_t s = 0; s < listed; ++s) {
       const auto angular = hn::LoadU(d, row.angular[s] + i), size = hn::Abs(angular);
       const auto visible = hn::RebindMask(d, hn::Ne(hn::And(bits, hn::Set(di, 1 << s)), hn::Zero(di)));
@@ -145,15 +146,21 @@ void BlendingWeights(const WeightRow& row) {
       all = hn::Add(all, as_chosen);
       chosen = hn::MulAdd(as_chosen, soft, chosen);
       listed_all = hn::Add(listed_all, as_listed);
+      second = hn::Max(second, hn::Min(strongest, as_listed));
+      strongest = hn::Max(strongest, as_listed);
       in_list = hn::MulAdd(as_listed, soft, in_list);
-      in_picture = hn::Add(in_picture, hn::IfThenElseZero(hn::Gt(angular, zero), as_listed));
+      const auto reaches = hn::Gt(angular, zero);
+      in_picture = hn::Add(in_picture, hn::IfThenElseZero(reaches, as_listed));
+      beside = hn::Max(beside, hn::IfThenZeroElse(reaches, as_listed));
       hn::StoreU(soft, d, row.soft[s] + i);
     }
     const auto of_chosen = hn::Div(one, hn::Max(chosen, hn::Mul(enough, all)));
     auto rest = hn::NegMulAdd(chosen, of_chosen, one);
-    const auto of_list = hn::Div(rest, hn::Max(in_list, hn::Mul(enough_of_list, listed_all)));
+    const auto enough_listed =
+        hn::Mul(enough_of_list, hn::Sub(listed_all, hn::Max(zero, hn::Sub(beside, second))));
+    const auto of_list = hn::Div(rest, hn::Max(in_list, enough_listed));
     rest = hn::NegMulAdd(in_list, of_list, rest);
-    const auto of_picture = hn::Div(rest, hn::Max(in_picture, hn::Mul(enough_of_list, listed_all)));
+    const auto of_picture = hn::Div(rest, hn::Max(in_picture, enough_listed));
     const auto of_any = hn::Div(hn::NegMulAdd(in_picture, of_picture, rest), listed_all);
     for (std::size_t s = 0; s < listed; ++s) {
       const auto angular = hn::LoadU(d, row.angular[s] + i), soft = hn::LoadU(d, row.soft[s] + i);

@@ -202,8 +202,9 @@ void main() {
   }
   vec3 world = world_at(vec2(at) + 0.5, depth_of(texelFetch(surface_depth, at, 0).r, view_planes));
   vec3 to_view = normalize(eye - world), sum = vec3(0.0);
-  // Who counts: see render/gl/shaders/weights.frag, which says the same.
+  // Who counts: see render/gl/shaders/weights.comp, which says the same.
   float angular[kSlots], soft[kSlots], all_chosen = 1e-30, chosen = 0.0, all_listed = 1e-30, in_list = 0.0, in_picture = 0.0;
+  float strongest = 0.0, second = 0.0, beside = 0.0;
   vec2 pixel[kSlots];
   bool reached[kSlots];
   for (int i = 0; i < kSlots; ++i) {
@@ -218,12 +219,16 @@ void main() {
     chosen += as.x * soft[i];
     all_listed += as.y;
     in_list += as.y * soft[i];
-    in_picture += reached[i] ? as.y : 0.0;
+    second = max(second, min(strongest, as.y));
+    strongest = max(strongest, as.y);
+    if (reached[i]) in_picture += as.y;
+    else beside = max(beside, as.y);
   }
   float of_chosen = 1.0 / max(chosen, 0.3 * all_chosen), rest = 1.0 - chosen * of_chosen;
-  float of_list = rest / max(in_list, 0.01 * all_listed);
+  float enough_listed = 0.01 * (all_listed - max(0.0, beside - second));
+  float of_list = rest / max(in_list, enough_listed);
   rest -= in_list * of_list;
-  float of_picture = rest / max(in_picture, 0.01 * all_listed), of_any = (rest - in_picture * of_picture) / all_listed;
+  float of_picture = rest / max(in_picture, enough_listed), of_any = (rest - in_picture * of_picture) / all_listed;
   float total = 0.0;
   for (int i = 0; i < kSlots; ++i) {
     if (i >= listed) break;

@@ -13,7 +13,8 @@ vec4 weights0 = vec4(0.0), weights1 = vec4(0.0), soft0 = vec4(0.0), soft1 = vec4
 // Four kinds of cameras, each let in by degrees as far as those before it hold too small a share of the weight that
 // they would have without visibility: the chosen ones that see the pixel, whoever of the list sees it, whoever has
 // it in the picture, all. So a camera that comes or goes with a faint weight never decides alone, in time or beside
-// an edge of visibility. The twin of render/cpu/weight_kernels.cpp.
+// an edge of visibility. One that does not have a point in its picture counts there as much as the next one at most,
+// however near the view is to it: its border does not keep out who has it. The twin of render/cpu/weight_kernels.cpp.
 const float kEnough = 0.3, kEnoughOfList = 0.01;  // shares that keep the next kind out
 const float kBlind = 1e-6, kReachesNot = 1e-3;    // one camera a pixel: without sight of it, without it in the picture
 const float kLeast = 1e-30;
@@ -39,6 +40,7 @@ void weigh(ivec2 at) {
   vec4 a0 = texelFetch(angular0_in, at, 0), a1 = texelFetch(angular1_in, at, 0);
   float angular[kMaxListed], soft[kMaxListed], best = -1.0;
   float all_chosen = kLeast, chosen = 0.0, all_listed = kLeast, in_list = 0.0, in_picture = 0.0;
+  float strongest = 0.0, second = 0.0, beside = 0.0;  // of the list; of those that do not have it
   int best_slot = 0;
   for (int slot = 0; slot < kMaxListed; ++slot) {
     angular[slot] = soft[slot] = 0.0;
@@ -51,7 +53,12 @@ void weigh(ivec2 at) {
     chosen += as.x * soft[slot];
     all_listed += as.y;
     in_list += as.y * soft[slot];
-    in_picture += reaches ? as.y : 0.0;
+    second = max(second, min(strongest, as.y));
+    strongest = max(strongest, as.y);
+    if (reaches)
+      in_picture += as.y;
+    else
+      beside = max(beside, as.y);
     float score = abs(angular[slot]) * (visible ? 1.0 : reaches ? kBlind : kBlind * kReachesNot);
     if (score > best) {
       best = score;
@@ -59,9 +66,10 @@ void weigh(ivec2 at) {
     }
   }
   float of_chosen = 1.0 / max(chosen, kEnough * all_chosen), rest = 1.0 - chosen * of_chosen;
-  float of_list = rest / max(in_list, kEnoughOfList * all_listed);
+  float enough_listed = kEnoughOfList * (all_listed - max(0.0, beside - second));
+  float of_list = rest / max(in_list, enough_listed);
   rest -= in_list * of_list;
-  float of_picture = rest / max(in_picture, kEnoughOfList * all_listed);
+  float of_picture = rest / max(in_picture, enough_listed);
   float of_any = (rest - in_picture * of_picture) / all_listed;
   for (int slot = 0; slot < kMaxListed; ++slot) {
     vec2 fade = slot < view.counts.x ? view.camera_fade[slot].xy : vec2(0.0);
