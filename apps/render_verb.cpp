@@ -52,6 +52,15 @@ Result<std::vector<int>> parts_asked_for(const RenderArguments& given, const cap
 }
 
 // What a picture's stages take in the mean, by name: of OpenGL alone.
+nlohmann::json unseen_json(const pipeline::FilmSight& sight) {
+  if (sight.pictures == 0) return nullptr;
+  return {{"mean", sight.unseen},
+          {"worst", sight.worst},
+          {"worst_picture", sight.worst_picture},
+          {"pictures_above_limit", sight.much},
+          {"limit", pipeline::kMuchUnseen}};
+}
+
 nlohmann::json stages_json(const pipeline::FilmReport& film) {
   nlohmann::json stages = nlohmann::json::object();
   for (const render::StageTime& stage : film.stages)
@@ -167,6 +176,7 @@ Result<void> run_render(const RenderArguments& given) {
                               {"seconds", report->film.seconds},
                               {"render_seconds", report->film.render_seconds},
                               {"stages", stages_json(report->film)},
+                              {"unseen", unseen_json(report->film.sight)},
                               {"renderer", drawing->description}},
                              given.json_file);
 }

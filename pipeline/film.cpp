@@ -328,6 +328,7 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
     if (begins_anew(drawn_pictures, p, options))
       if (Result<void> ok = lead_in(led_in[p], drawn, options, renderers); !ok) return in_frame(ok.error());
     FilmPicture picture{drawn_pictures[p], frames[p], middles[p], {}};
+    render::SeenPixels seen;
     for (std::size_t i = 0; i < renderers.size(); ++i) {
       const View& view = views[p][i / options.methods.size()];
       Result<render::RenderedView> rendered = renderers[i]->render(drawn, view, options.renderer);
@@ -335,7 +336,10 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
       render::StageTimes::enter("reading back");
       without_camera += i == 0 && render::lacks_shown_camera(*rendered, options.renderer);
       picture.renders.push_back(render::download(*rendered));
+      const render::SeenPixels of_one = render::seen_pixels(*rendered);
+      seen.shown += of_one.shown, seen.seen += of_one.seen;
     }
+    report.sight.add(drawn_pictures[p], seen);
     if (times) render::add(times->take(), report.stages);
     report.render_seconds += since(drawing);
     if (Result<void> ok = visit(std::move(picture)); !ok) return forward(ok);
@@ -346,6 +350,7 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
     log::warning(text(without_camera, " of ", report.pictures,
                       " pictures show nothing: their views are not drawn from a camera that was to be shown; "
                       "--blend takes more in"));
+  if (const std::optional<std::string> doubt = report.sight.doubt()) log::warning(*doubt);
   report.seconds = since(begin);
   return report;
 }

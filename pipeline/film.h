@@ -10,6 +10,7 @@
 #include "core/result.h"
 #include "core/rig.h"
 #include "pipeline/camera_path.h"
+#include "pipeline/film_sight.h"
 #include "pipeline/progress.h"
 #include "pipeline/view_array.h"
 #include "render/renderer.h"
@@ -54,6 +55,7 @@ struct FilmReport {
   double seconds = 0;                          ///< that it took
   double render_seconds = 0;                   ///< of it in the renderers
   std::vector<render::StageTime> stages = {};  ///< FilmOptions::time_stages: sums over all pictures
+  FilmSight sight = {};
 };
 
 /// Which frame of the take each picture of the whole film shows. InvalidArgument for options that make no

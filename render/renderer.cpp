@@ -205,4 +205,11 @@ Image download(const RenderedView& view) {
   return image;
 }
 
+SeenPixels seen_pixels(const RenderedView& view) {
+  if (view.seen_buffer == 0) return view.seen;
+  SeenPixels seen;
+  glGetNamedBufferSubData(view.seen_buffer, 0, sizeof seen, &seen);
+  return seen;
+}
+
 }  // namespace floatstage::render

@@ -14,6 +14,7 @@
 #include "render/camera_choice.h"
 #include "render/flow.h"
 #include "render/scene.h"
+#include "render/seen_pixels.h"
 
 namespace floatstage::render {
 
@@ -108,6 +109,8 @@ struct RenderedView {
   unsigned texture = 0;            ///< GL back-end: a GL_TEXTURE_2D; 0 otherwise
   const Image* picture = nullptr;  ///< CPU back-end: rows top first; null otherwise
   int width = 0, height = 0;
+  SeenPixels seen = {};                 ///< CPU back-end; see seen_pixels()
+  unsigned seen_buffer = 0;             ///< GL back-end: the same, in a buffer; 0 otherwise
   ShortList<int, kMostListed> cameras;  ///< the photographs used, strongest first
 };
 
@@ -149,5 +152,10 @@ std::vector<int> needed_cameras(const Rig& rig, const Mesh& mesh, const View& vi
 
 /// A copy of a rendered view, from wherever it is: RGBA, rows top first.
 Image download(const RenderedView& view);
+
+/// How much of a rendered view the photographs that it is drawn from see; the rest continues its surroundings
+/// (ADR 363). None shown: it was not asked, of intermediates, without soft outlines and of "light-field".
+/// With GL it waits for the picture.
+SeenPixels seen_pixels(const RenderedView& view);
 
 }  // namespace floatstage::render

@@ -13,6 +13,7 @@ std::uint8_t byte_of(float v) { return static_cast<std::uint8_t>(std::clamp(v, 0
 }  // namespace
 
 void Picture::begin(const View& view, const std::array<float, 3>& background) {
+  seen_ = {};
   image_.width = view.model.width;
   image_.height = view.model.height;
   image_.channels = 4;
@@ -45,7 +46,7 @@ void Picture::write(const Projection& projection, int y, const float* rgb, int f
 Result<void> Picture::soften(Projection& projection, const RendererOptions& options, bool sees) {
   if (projection.interruption().given_up()) return given_up();
   if (sees && has_soft_outline(options) && options.output == RenderOutput::Color)
-    unseen_.run(projection, image_);
+    seen_ = unseen_.run(projection, image_);
   if (has_soft_outline(options)) outline_.run(projection, options.output == RenderOutput::Opacity, image_);
   return projection.interruption().given_up() ? Result<void>(given_up()) : Result<void>();
 }
@@ -55,6 +56,7 @@ RenderedView rendered_view(const Scene& scene, const View& view, const Projectio
   return {.picture = &picture.image(),
           .width = view.model.width,
           .height = view.model.height,
+          .seen = picture.seen(),
           .cameras = cameras_of(scene, projection.choice())};
 }
 

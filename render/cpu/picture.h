@@ -24,9 +24,12 @@ class Picture {
   /// what they show.
   /// Cancelled when the picture was given up.
   Result<void> soften(Projection& projection, const RendererOptions& options, bool sees = true);
+  /// What soften() found to be seen; none where it did not ask.
+  const SeenPixels& seen() const { return seen_; }
 
  private:
   Image image_;
+  SeenPixels seen_;
   Unseen unseen_;
   Outline outline_;
 };

@@ -23,40 +23,42 @@ void for_covered(const Projection& projection, int y, Image& picture, const Body
 
 }  // namespace
 
-void Unseen::run(Projection& projection, Image& picture) {
+SeenPixels Unseen::run(Projection& projection, Image& picture) {
   // Without the margin, so that all methods continue the same.
   const int margin = projection.margin(), across = projection.window().width - 2 * margin,
             down = projection.window().height - 2 * margin;
   const auto width = static_cast<std::size_t>(across), height = static_cast<std::size_t>(down);
   known_.assign(width * height, 0);
-  lacks_.assign(height, 0);
-  has_.assign(height, 0);
+  rows_.assign(height, {});
   if (values_.size() < 3 * known_.size()) values_.resize(3 * known_.size());
   projection.for_rows([&](int y, RowMemory&) {
     if (y < margin || y >= margin + down) return;
     const auto line = static_cast<std::size_t>(y - margin);
+    SeenPixels& row = rows_[line];
     for_covered(projection, y, picture, [&](int x, const std::uint8_t* pixel, std::size_t list) {
       const std::size_t at = line * width + static_cast<std::size_t>(x - margin);
-      known_[at] = projection.visible()[list] != 0 ? 255 : 0;
-      (known_[at] == 0 ? lacks_ : has_)[line] = 1;
+      const bool is_seen = projection.visible()[list] != 0;
+      known_[at] = is_seen ? 255 : 0;
+      ++row.shown;
+      row.seen += is_seen;
       for (std::size_t k = 0; k < 3; ++k) values_[3 * at + k] = pixel[k];
     });
   });
-  const auto none = [](const std::vector<std::uint8_t>& rows) {
-    return std::find(rows.begin(), rows.end(), 1) == rows.end();
-  };
-  if (none(lacks_) || none(has_)) return;
+  SeenPixels all;
+  for (const SeenPixels& row : rows_) all.shown += row.shown, all.seen += row.seen;
+  if (all.seen == 0 || all.seen == all.shown) return all;
   fill_.run(across, down, 3, known_.data(), values_.data());
   projection.for_rows([&](int y, RowMemory&) {
     if (y < margin || y >= margin + down) return;
     const auto line = static_cast<std::size_t>(y - margin);
-    if (lacks_[line] == 0) return;
+    if (rows_[line].seen == rows_[line].shown) return;
     for_covered(projection, y, picture, [&](int x, std::uint8_t* pixel, std::size_t) {
       const float* value = values_.data() + 3 * (line * width + static_cast<std::size_t>(x - margin));
       for (std::size_t k = 0; k < 3; ++k)
         pixel[k] = static_cast<std::uint8_t>(std::clamp(value[k], 0.F, 255.F) + 0.5F);
     });
   });
+  return all;
 }
 
 }  // namespace floatstage::render::cpu

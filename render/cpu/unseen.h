@@ -5,6 +5,7 @@
 
 #include "render/cpu/projection.h"
 #include "render/image_fill.h"
+#include "render/seen_pixels.h"
 
 namespace floatstage::render::cpu {
 
@@ -13,14 +14,13 @@ namespace floatstage::render::cpu {
 /// The passes of render/gl/unseen.h; docs/adr/0363-what-nobody-sees-continues-its-surroundings.md.
 class Unseen {
  public:
-  /// After the picture of the projection's view is drawn, before it gets its opacity.
-  void run(Projection& projection, Image& picture);
+  /// After the picture of the projection's view is drawn, before it gets its opacity. How much of it is seen.
+  SeenPixels run(Projection& projection, Image& picture);
 
  private:
   std::vector<std::uint8_t> known_;  // of the window without its margin: 255 where somebody sees it, else 0
-  std::vector<std::uint8_t> lacks_;  // a row each: whether nobody sees some pixel of it
-  std::vector<std::uint8_t> has_;    // a row each: whether somebody sees some pixel of it
-  std::vector<float> values_;        // of the same: RGB
+  std::vector<SeenPixels> rows_;
+  std::vector<float> values_;  // of the same: RGB
   PictureFill fill_;
 };
 

@@ -32,6 +32,7 @@ RenderedView rendered_view(const Scene& scene, const View& view, const Projectio
   return {.texture = target.texture().id(),
           .width = view.model.width,
           .height = view.model.height,
+          .seen_buffer = projection.seen(),
           .cameras = cameras_of(scene, projection.choice())};
 }
 

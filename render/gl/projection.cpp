@@ -148,6 +148,7 @@ void Projection::run(const SceneTextures& scene, const View& view, const Rendere
   choice_ = scene.scene->choose(view, options.cameras);
   window_ = window_of(view, scene.scene->mesh.positions, scene.scene->vertex_blocks, margin);
   margin_ = margin;
+  counts_seen_ = false;
   if (window_.empty()) return;
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);

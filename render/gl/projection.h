@@ -51,6 +51,9 @@ class Projection {
     return mattes_;
   }  ///< RG8: mean and largest of what they say at the surface
 
+  /// A buffer with the SeenPixels of the last soften(); 0 where it did not ask.
+  unsigned seen() const { return counts_seen_ ? unseen_->seen().id() : 0; }
+
   /// Runs a kernel on every pixel of the window (shaders/window.glsl).
   void on_window(const gl::Kernel& kernel, gl::Kernel::Textures read, gl::Kernel::Textures written) const;
   /// Runs one that draws on every pixel of `target` (shaders/picture.glsl).
@@ -65,8 +68,8 @@ class Projection {
   /// show.
   void soften(const SceneTextures& scene, const RendererOptions& options, ViewTarget& target,
               bool sees = true) {
-    if (sees && has_soft_outline(options) && options.output == RenderOutput::Color)
-      unseen_->run(*this, target);
+    counts_seen_ = sees && has_soft_outline(options) && options.output == RenderOutput::Color;
+    if (counts_seen_) unseen_->run(*this, target);
     outline_->soften(*this, scene, options, target);
   }
 
@@ -89,6 +92,7 @@ class Projection {
   gl::Framebuffer surface_target_;
   Window window_;
   int margin_ = 0;
+  bool counts_seen_ = false;
   bool hides_backs_ = false;  // the proxy, in this view
   CameraChoice choice_;
   std::array<int, kMostListed> deepest_{};  // of the listed: the last level that any pixel reads

@@ -52,7 +52,10 @@ Result<std::optional<render::RenderedView>> LiveView::render(const View& view, c
     if (picture->picture == nullptr) small_ = render::download(*picture);
     if (enlarged_.width != width || enlarged_.height != height) enlarged_ = Image(width, height, 4);
     enlarge(picture->picture != nullptr ? *picture->picture : small_, enlarged_);
-    *picture = {0, &enlarged_, width, height, picture->cameras};
+    picture->texture = 0;
+    picture->picture = &enlarged_;
+    picture->width = width;
+    picture->height = height;
   }
   return std::optional<render::RenderedView>(*picture);
 }

@@ -200,6 +200,30 @@ TEST_F(AFilm, SaysWhatTheStagesOfOpenGlTakeWhereThatIsAsked) {
   EXPECT_GT(stages["blending"].milliseconds, 0);
 }
 
+TEST_F(AFilm, TellsHowMuchOfItNobodySees) {
+  const std::unique_ptr<render::GlContext> context = std::move(*render::GlContext::headless());
+  film_.methods = {"linear"};
+  film_.seconds = 0.5;
+  const CameraPath around = orbit_around(take_->rig(), subject_, {.seconds = 2}).path;
+  // From under the floor: nobody shows soles.
+  PathKey key;
+  key.target = subject_.box.center();
+  key.eye = key.target - Eigen::Vector3d(0.1, 0, 3);
+  const CameraPath below{{key}};
+  auto sight = [&](const CameraPath& path, render::BackEnd back_end) {
+    film_.renderer.back_end = back_end;
+    return render_film(*take_, path, film_, [](FilmPicture) { return Result<void>(); })->sight;
+  };
+  const FilmSight seen = sight(around, render::BackEnd::Cpu), unseen = sight(below, render::BackEnd::Cpu);
+  EXPECT_EQ(seen.pictures, 2);
+  EXPECT_EQ(seen.doubt(), std::nullopt);
+  EXPECT_GT(unseen.worst, 0.2);
+  EXPECT_TRUE(unseen.doubt());
+  EXPECT_NEAR(sight(below, render::BackEnd::Gl).worst, unseen.worst, 0.01);
+  film_.renderer.output = render::RenderOutput::Visibility;
+  EXPECT_EQ(sight(below, render::BackEnd::Cpu).pictures, 0) << "it is pictures of colours that are judged";
+}
+
 TEST_F(AFilm, OfThreeEyesHasTheOneOfOneEyeInItsMiddle) {
   film_.seconds = 0.5;
   const std::vector<FilmPicture> one = shoot();

@@ -82,6 +82,34 @@ TEST_P(WhatNobodySees, IsNothingWhereAllIsSeen) {
   EXPECT_GT(psnr(picture, before, [&](int x, int y) { return well_inside(before, x, y, 2); }), 90);
 }
 
+TEST_P(WhatNobodySees, IsCounted) {
+  const Stage stage = from_the_front();
+  render::Scene scene;
+  ASSERT_THAT(scene.set(stage.rig, stage.scene), IsOk());
+  const auto renderer = make("linear");
+  const auto pixels = [&](const View& view, const RendererOptions& options = {}) {
+    return seen_pixels(*renderer->render(scene, view, options));
+  };
+  const auto share = [](const SeenPixels& p) { return static_cast<double>(p.seen) / p.shown; };
+  const Image drawn = rendered(stage, from_the_side(), "linear", as_drawn());
+  std::uint32_t covered = 0, facing = 0;
+  for (int y = 0; y < drawn.height; ++y)
+    for (int x = 0; x < drawn.width; ++x) {
+      const auto p = on_ball(from_the_side(), x, y);
+      covered += drawn.at(x, y)[3] == 255;
+      facing += p && most_facing(stage.rig, *p) > 0.05;
+    }
+  const SeenPixels from_the_side_seen = pixels(from_the_side());
+  EXPECT_EQ(from_the_side_seen.shown, covered);
+  EXPECT_NEAR(from_the_side_seen.seen, facing, 0.05 * covered);
+  EXPECT_GT(share(pixels(view_at(5))), 0.97);
+  EXPECT_LT(share(pixels(view_at(180, -10))), 0.2);
+  EXPECT_EQ(pixels(from_the_side(), as_drawn()).shown, 0U) << "nothing is continued, and nobody asked";
+  RendererOptions weights;
+  weights.output = RenderOutput::Weights;
+  EXPECT_EQ(pixels(from_the_side(), weights).shown, 0U);
+}
+
 // From behind there are no surroundings: what photographs show elsewhere is better than nothing.
 TEST_P(WhatNobodySees, StaysWhereNobodySeesAnything) {
   const Stage stage = photographed(arc(1, 20), ball(kRadius, 48), ball(kRadius, 48), false);

@@ -8,6 +8,7 @@
 
 #include <imgui.h>
 
+#include "core/text.h"
 #include "studio/live/live_view.h"
 
 namespace floatstage::apps {
@@ -143,6 +144,7 @@ Result<void> Canvas::render(const PlayerState& state, const Made& wanted, bool m
   const auto begin = std::chrono::steady_clock::now();
   // Recorded before rendering: a view that cannot be rendered is not tried again until something changes.
   made_ = wanted;
+  sight_.reset();
   view_ = pipeline::view_of(wanted.key, wanted.width, wanted.height, subject_);
   const Result<void> drawn = render_sides(state, moving);
   gave_up_ = !drawn && drawn.error().code == ErrorCode::Cancelled;
@@ -184,10 +186,6 @@ void Canvas::list_pictures(const PlayerState& state, float x0, float y0, float x
   ImDrawList* list = ImGui::GetWindowDrawList();
   const float middle = state.split ? state.split_at : 1.f, x = x0 + (x1 - x0) * middle;
   if (left_.texture != 0) list->AddImage(texture_id(left_.texture), {x0, y0}, {x, y1}, {0, 0}, {middle, 1});
-  if (made_ && render::lacks_shown_camera(left_.view, made_->renderer))
-    list->AddText(
-        {x0 + 10, y1 - 24}, IM_COL32(255, 190, 60, 255),
-        "this view is not drawn from the shown camera: nearer to it, or with more photographs, it is");
   if (!state.split || right_.texture == 0) return;
   list->AddImage(texture_id(right_.texture), {x, y0}, {x1, y1}, {middle, 0}, {1, 1});
   list->AddLine({x, y0}, {x, y1}, IM_COL32(255, 190, 60, 255), 1.5f);
@@ -195,6 +193,21 @@ void Canvas::list_pictures(const PlayerState& state, float x0, float y0, float x
   list->AddText({x - 10 - ImGui::CalcTextSize(left.c_str()).x, y0 + 8}, IM_COL32_WHITE, left.c_str());
   list->AddText({x + 10, y0 + 8}, IM_COL32_WHITE,
                 side_name(state, state.right, state.right_output.value_or(state.renderer.output)).c_str());
+}
+
+/// What the picture lacks, in the lower left corner.
+void Canvas::list_doubts(float x0, float y1) const {
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  float line = y1 - 24;
+  const auto say = [&](const std::string& doubt) {
+    list->AddText({x0 + 10, line}, IM_COL32(255, 190, 60, 255), doubt.c_str());
+    line -= ImGui::GetTextLineHeightWithSpacing();
+  };
+  if (render::lacks_shown_camera(left_.view, made_->renderer))
+    say("this view is not drawn from the shown camera: nearer to it, or with more photographs, it is");
+  if (sight_ && sight_->much > 0)
+    say(text("none of its photographs sees ", std::lround(100 * sight_->worst),
+             " % of this view: it continues what is around there"));
 }
 
 /// Where the time goes, in the upper right corner.
@@ -234,9 +247,14 @@ Result<void> Canvas::draw(PlayerState& state, std::span<const InputEvent> input)
   const bool moving = judge_motion(state, key, now);
   const Made made = wanted(state, key, size.x, size.y, moving);
   Result<void> rendered;
-  if (stale(made)) rendered = render(state, made, moving, now);
+  const bool renews = stale(made);
+  if (renews) rendered = render(state, made, moving, now);
+  // A GPU is asked once the picture stands, for it would be waited for.
+  if (!sight_ && (!renews || left_.view.picture != nullptr))
+    sight_.emplace().add(0, render::seen_pixels(left_.view));
 
   list_pictures(state, origin.x, origin.y, origin.x + size.x, origin.y + size.y);
+  if (made_) list_doubts(origin.x, origin.y + size.y);
   if (state.show_times && made_) list_times(state, origin.x + size.x, origin.y);
   if (state.show_cameras) {
     const double depth = subject_.isEmpty() ? 0.3 : subject_.diagonal().norm() * 0.15;

@@ -13,6 +13,7 @@
 #include "apps/viewer/play/shown_texture.h"
 #include "apps/viewer/play/stage_input.h"
 #include "core/rig.h"
+#include "pipeline/film_sight.h"
 #include "render/method_renderers.h"
 #include "studio/live/live_scene.h"
 
@@ -98,6 +99,7 @@ class Canvas {
                              bool moving);
   void fly(std::span<const InputEvent> input, PlayerState& state) const;
   void list_times(const PlayerState& state, float x1, float y0) const;
+  void list_doubts(float x0, float y1) const;
   void list_pictures(const PlayerState& state, float x0, float y0, float x1, float y1) const;
 
   const Rig rig_;
@@ -110,6 +112,7 @@ class Canvas {
   render::Scene drawn_;
   render::MethodRenderers renderers_;
   Side left_, right_;
+  std::optional<pipeline::FilmSight> sight_;  // of the left side's picture; absent until it is asked for
   std::optional<Made> made_;
   CameraFrusta frusta_;
   StageInput hands_;

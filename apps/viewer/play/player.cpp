@@ -237,7 +237,9 @@ class WindowPlayer : public Player {
     if (!film_ || !film_->done()) return;
     const Result<pipeline::FilmReport> report = film_->result();
     state_.status =
-        report ? text(state_.film_file, ": ", report->pictures, " pictures") : report.error().message;
+        report ? text(state_.film_file, ": ", report->pictures, " pictures",
+                      report->sight.much > 0 ? text(", ", report->sight.much, " of them in part unseen") : "")
+               : report.error().message;
     film_.reset();
   }
 
