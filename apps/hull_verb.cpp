@@ -15,6 +15,7 @@
 #include "core/statistics.h"
 #include "core/text.h"
 #include "pipeline/json_report.h"
+#include "pipeline/occluders.h"
 #include "pipeline/progress.h"
 #include "pipeline/scene_loader.h"
 #include "recon/mesh/mesh_check.h"
@@ -45,6 +46,10 @@ Result<Input> load(const HullArguments& given) {
   Result<std::vector<Matte>> mattes = pipeline::load_mattes(**take, given.frame);
   if (mattes)
     mattes = pipeline::silhouettes_of_labels(**take, given.frame, std::move(*mattes), given.threads);
+  if (!mattes) return forward(mattes);
+  const Result<pipeline::Occluders> occluders = pipeline::Occluders::load((*take)->layout(), (*take)->rig());
+  if (!occluders) return forward(occluders);
+  mattes = occluders->silhouettes((*take)->rig(), std::move(*mattes), given.threads);
   if (!mattes) return forward(mattes);
   if (given.cameras.empty()) return Input{(*take)->rig(), std::move(*mattes)};
   Input input;

@@ -113,11 +113,12 @@ std::string hash_of_instant(const MatteHashes& mattes) {
 }
 
 std::string hash_of_hull_inputs(const std::string& rig_sha256, const recon::HullOptions& options,
-                                const capture::AddedFile& added) {
+                                const capture::AddedFile& added, const std::string& occluders) {
   json bars = json::object();
   for (const auto& [serial, all] : added.cameras)
     if (const AddedContent c = added.of(serial); c.bars()) bars[serial] = {c.left, c.top, c.right, c.bottom};
-  return capture::sha256(rig_sha256 + describe(options).dump() + (bars.empty() ? "" : bars.dump()));
+  return capture::sha256(rig_sha256 + describe(options).dump() + (bars.empty() ? "" : bars.dump()) +
+                         occluders);
 }
 
 std::optional<std::string> newer_matte(const MeshEntry& entry, const MatteHashes& mattes) {

@@ -56,7 +56,7 @@ std::string hash_of_instant(const MatteHashes& mattes);
 
 /// Of what is the same for every frame: the rig's bytes and the options.
 std::string hash_of_hull_inputs(const std::string& rig_sha256, const recon::HullOptions& options,
-                                const capture::AddedFile& added);
+                                const capture::AddedFile& added, const std::string& occluders);
 
 /// The camera of a matte that is there and that the mesh was not made from: the mesh is older than it.
 std::optional<std::string> newer_matte(const MeshEntry& entry, const MatteHashes& mattes);

@@ -14,6 +14,7 @@
 #include "core/rig_io.h"
 #include "core/text.h"
 #include "pipeline/derive/carried_files.h"
+#include "pipeline/occluders.h"
 #include "pipeline/unfinished_folder.h"
 
 namespace floatstage::pipeline {
@@ -104,8 +105,9 @@ class Deriving {
   Result<void> derived() {
     const TakeLayout& from = from_.layout();
     for (const RigCamera& c : from_.rig().cameras)
-      if (Result<void> ok = share_if_there(from.plate(c.serial), to_.plate(c.serial), report_); !ok)
-        return ok;
+      for (const auto& [file, to] : {std::pair(from.plate(c.serial), to_.plate(c.serial)),
+                                     std::pair(occluder_file(from, c.serial), occluder_file(to_, c.serial))})
+        if (Result<void> ok = share_if_there(file, to, report_); !ok) return ok;
     for (const auto& [file, to] : {std::pair(from.colors(), to_.colors()),
                                    std::pair(capture::added_file(from), capture::added_file(to_)),
                                    std::pair(capture::times_file(from), capture::times_file(to_))})

@@ -14,6 +14,7 @@
 #include "core/rig_io.h"
 #include "core/text.h"
 #include "pipeline/derive/carried_files.h"
+#include "pipeline/occluders.h"
 #include "pipeline/recorded_take.h"
 #include "pipeline/take_added.h"
 #include "pipeline/undistort.h"
@@ -153,6 +154,11 @@ class Straightening {
       part.advance();
     }
     if (Result<void> ok = mattes(from.serial, straighten ? &*straighten : nullptr); !ok) return ok;
+    if (const fs::path mask = occluder_file(from_.layout(), from.serial); is_there(mask))
+      if (Result<void> ok =
+              picture(mask, occluder_file(to_, from.serial), straighten ? &*straighten : nullptr);
+          !ok)
+        return ok;
     return plates(from.serial, straighten ? &*straighten : nullptr);
   }
 

@@ -12,6 +12,7 @@
 #include "pipeline/hull_record.h"
 #include "pipeline/light_field.h"
 #include "pipeline/mesh_record.h"
+#include "pipeline/occluders.h"
 #include "pipeline/scene_loader.h"
 
 namespace floatstage::pipeline {
@@ -77,6 +78,10 @@ Result<Mesh> hull_without(const capture::TakeReader& take, const Instant& instan
   std::vector<Matte> mattes = std::move(*silhouettes);
   for (std::size_t i = 0; i < mattes.size(); ++i)
     if (!input[i] || static_cast<int>(i) == held) mattes[i] = {};
+  const Result<Occluders> occluders = Occluders::load(take.layout(), take.rig());
+  if (!occluders) return forward(occluders);
+  silhouettes = occluders->silhouettes(take.rig(), std::move(mattes), proxy.hull.threads);
+  if (!silhouettes) return forward(silhouettes);
   recon::HullOptions options = proxy.hull;
   if (proxy.kind == Proxy::Kind::Films) {
     const Result<MeshRecord> record = load_mesh_record(take.layout());
@@ -84,7 +89,7 @@ Result<Mesh> hull_without(const capture::TakeReader& take, const Instant& instan
     options = parse_hull_options(record->options).value_or(options);
   }
   options.quality = false;
-  Result<recon::HullReport> hull = recon::visual_hull(take.rig(), mattes, options);
+  Result<recon::HullReport> hull = recon::visual_hull(take.rig(), *silhouettes, options);
   const std::string without =
       held < 0 ? ""
                : text("without camera '", take.rig().cameras[static_cast<std::size_t>(held)].serial, "' ");

@@ -19,6 +19,7 @@
 #include "pipeline/matte/label_take.h"
 #include "pipeline/matte/matte_job.h"
 #include "pipeline/matte/settle_added.h"
+#include "pipeline/occluders.h"
 #include "pipeline/plan/take_view.h"
 #include "pipeline/process/mesh_maker.h"
 
@@ -170,7 +171,10 @@ Result<void> add_meshes(const capture::TakeReader& take, const ProcessOptions& o
   if (!hull) return forward(hull);
   const Result<capture::AddedFile> added = capture::load_added(take.layout());
   if (!added) return forward(added);
-  const std::string inputs = hash_of_hull_inputs(take.manifest().rig_sha256, *hull, *added);
+  const Result<Occluders> occluders = Occluders::load(take.layout(), take.rig());
+  if (!occluders) return forward(occluders);
+  const std::string inputs =
+      hash_of_hull_inputs(take.manifest().rig_sha256, *hull, *added, occluders->hash());
   double recorded = 0;
   for (const std::string& serial : serials_of(take.rig())) recorded += media_bytes(take, serial);
   for (PlanItem& piece : pieces_of(wanted_frames(take, options.frames), chunk)) {

@@ -1,6 +1,7 @@
 #include "pipeline/process/mesh_maker.h"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <functional>
 #include <mutex>
@@ -22,6 +23,7 @@
 #include "pipeline/made_files.h"
 #include "pipeline/matte/contradiction.h"
 #include "pipeline/matte/heal_mattes.h"
+#include "pipeline/occluders.h"
 #include "pipeline/process/denied_mattes.h"
 #include "pipeline/process/silhouette_faults.h"
 #include "pipeline/progress.h"
@@ -32,6 +34,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+
+constexpr double kMuchWithinProps = 0.01;  // of somebody: rims of masks are a tenth of it
 
 // Collects what parallel items of one stage did; the first fatal error (disk, permission) stops the stage.
 class Collector {
@@ -209,7 +213,10 @@ class MeshMaker {
     Result<capture::AddedFile> added = capture::load_added(take_.layout());
     if (!added) return forward(added);
     added_ = std::move(*added);
-    inputs_ = hash_of_hull_inputs(take_.manifest().rig_sha256, hull_, added_);
+    Result<Occluders> occluders = Occluders::load(take_.layout(), take_.rig());
+    if (!occluders) return forward(occluders);
+    occluders_ = std::move(*occluders);
+    inputs_ = hash_of_hull_inputs(take_.manifest().rig_sha256, hull_, added_, occluders_.hash());
     std::vector<std::optional<FrameHull>> hulls(frames.size());
     others_.assign(frames.size(), 0);
     ProgressPart progress(options_.progress, "meshes", frames.size());
@@ -252,6 +259,7 @@ class MeshMaker {
     report.poor_frames = doubts.poor;
     report.cleanup = std::move(doubts.cleanup);
     report.empty_frames = count_empty(frames);
+    remark_on_props(report);
     Result<std::optional<MatteDoubt>> denied =
         contradiction_in(take_, denials_in(record_.reports), report.meshes.made > 0);
     if (!denied) return forward(denied);
@@ -280,10 +288,11 @@ class MeshMaker {
     FrameHull& made = finished.hull;
     Result<std::vector<Matte>> mattes = load_mattes(take_, frame, &made.entry.mattes);
     if (mattes) mattes = silhouettes_of_labels(take_, frame, std::move(*mattes), hull_.threads);
+    if (mattes) mattes = behind_props(frame, std::move(*mattes));
     if (!mattes) return forward(mattes);
     std::unique_ptr<HullWorkspaces::Slot> slot = workspaces_.take();
     Result<json> report = make_mesh(take_.rig(), *mattes, added_, hull_, *slot);
-    if (report && !report->at("empty") && everybody())
+    if (report && !report->at("empty") && everybody() && !occluders_.any())
       report = heal(frame, *mattes, *slot, std::move(*report), made);
     if (report && report->contains("silhouettes")) evidence_.note(frame, slot->report, *mattes);
     if (report) finished.mesh = slot->report.mesh;
@@ -293,6 +302,26 @@ class MeshMaker {
     made.report = std::move(*report);
     writers.add(std::move(finished));
     return {};
+  }
+
+  Result<std::vector<Matte>> behind_props(int frame, std::vector<Matte> mattes) {
+    Occluders::Within within;
+    Result<std::vector<Matte>> silhouettes =
+        occluders_.silhouettes(take_.rig(), std::move(mattes), hull_.threads, &within);
+    const std::lock_guard lock(within_mutex_);
+    if (within.share > within_.share || (within.share == within_.share && frame < within_frame_))
+      within_ = within, within_frame_ = frame;
+    return silhouettes;
+  }
+
+  // What to say of it, if anything.
+  void remark_on_props(ProcessReport& report) const {
+    if (within_.share <= kMuchWithinProps) return;
+    report.remarks.push_back(
+        text("camera '", take_.rig().cameras[static_cast<std::size_t>(within_.camera)].serial,
+             "' shows somebody within what stands on the stage (occluders), ",
+             std::lround(100 * within_.share), " % of all in frame ", within_frame_,
+             ": its shadow there, or a mask that is larger than what it covers; look at the matte"));
   }
 
   Result<void> write(MeshWriters::Finished& one) {
@@ -336,6 +365,10 @@ class MeshMaker {
   const ProcessOptions& options_;
   recon::HullOptions hull_;
   capture::AddedFile added_;
+  Occluders occluders_;
+  std::mutex within_mutex_;
+  Occluders::Within within_;  // the most of any frame
+  int within_frame_ = 0;
   std::string inputs_;  // what is common to all frames, as a hash
   MeshRecord record_;
   Journal journal_;
