@@ -1,4 +1,4 @@
-# blender --background --factory-startup --python rendered_stage.py -- STAGE OUT WIDTH SAMPLES [CAMERAS]
+# blender --background --factory-startup --python rendered_stage.py -- STAGE OUT WIDTH SAMPLES [CAMERAS [props]]
 # A performer on a stage that the synthetic studio does not have, path traced: noise of light, soft shadows, light
 # that walls throw on clothes. STAGE is one of
 #   tarpaulin  blue cloth on the floor and on three of four walls, striped plaster elsewhere, stands
@@ -17,6 +17,7 @@
 #   asphalt    a grey floor before grey walls, grey clothes, a high sun
 # Writes OUT/sparse (CAMERAS, or eight, as a COLMAP model), OUT/pictures/<serial>/000000.png,
 # OUT/plates/<serial>.png of the empty stage and OUT/truth/<serial>/000000.png, whose alpha is the performer.
+# With props a lectern and a stand are on the stage beside the performer, and OUT/occluders/<serial>.png has them.
 import math
 import os
 import random
@@ -25,7 +26,9 @@ import sys
 import bpy
 from mathutils import Matrix, Vector
 
-stage, out, width, samples, cameras = (sys.argv[sys.argv.index("--") + 1:] + ["8"])[:5]
+given = sys.argv[sys.argv.index("--") + 1:]
+stage, out, width, samples, cameras = (given + ["8"])[:5]
+with_props = given[5:] == ["props"]
 width, samples, cameras = int(width), int(samples), int(cameras)
 height, focal = width * 3 // 4, width * 0.875
 # By stage: what the dice of this file begin with, and the performer's shirt.
@@ -317,6 +320,14 @@ def performer():
     return made
 
 
+def props():
+    """A lectern and a stand, from some sides before the performer."""
+    box((0.75, 0.1, 0.5), (0.45, 0.6, 1.0), material((0.3, 0.18, 0.1), 0.6, "ShaderNodeTexWave", 4, (0.2, 0.1, 0.06)), 0.4)
+    lectern = bpy.context.object
+    pole((-0.1, -0.75, 0.8), 0.03, 1.6, material((0.03, 0.03, 0.03)))
+    return [lectern, bpy.context.object]
+
+
 def ring_of_cameras():
     ring = []
     for k in range(cameras):
@@ -366,13 +377,21 @@ sky((0.5, 0.5, 0.55), 0.25)
  "theatre": theatre, "gym": gym, "garden": garden, "yard": yard, "court": court, "beach": beach,
  "spot": spot, "greens": greens, "asphalt": asphalt}[stage]()
 scenery = [thing for thing in scene.objects if thing.type == "MESH"]
+standing = props() if with_props else []
 views = ring_of_cameras()
 write_model(views)
 render(views, "plates/cam{:02d}.png", 1000)
-performer()
+somebody = performer()
 render(views, "pictures/cam{:02d}/000000.png", 0)
 for thing in scenery:
     thing.hide_render = True
+for thing in standing:
+    thing.is_holdout = True
 scene.render.film_transparent = True
 scene.render.image_settings.color_mode = "RGBA"
 render(views, "truth/cam{:02d}/000000.png", 0)
+if standing:
+    somebody.hide_render = True
+    for thing in standing:
+        thing.is_holdout = False
+    render(views, "occluders/cam{:02d}.png", 0)

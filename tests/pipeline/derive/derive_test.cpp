@@ -9,10 +9,12 @@
 #include "capture/sound/time_code.h"
 #include "capture/take_check.h"
 #include "core/file.h"
+#include "core/png.h"
 #include "core/rig_io.h"
 #include "pipeline/derive/derived_take.h"
 #include "pipeline/derive/join.h"
 #include "pipeline/derive/list_takes.h"
+#include "pipeline/occluders.h"
 #include "pipeline/process/process.h"
 #include "tests/support/small_take.h"
 
@@ -144,6 +146,16 @@ TEST_F(ANewTake, CarriesMattesAlongAndLeavesHullsOut) {
   ASSERT_THAT(part, IsOk());
   EXPECT_EQ(*read_file(TakeLayout(folder_ / "part").matte("cam01", 0)),
             *read_file(take->layout().matte("cam01", 1)));
+}
+
+TEST_F(ANewTake, CarriesMasksOfWhatStandsOnTheStageAlong) {
+  const fs::path own = small_take(folder_, 2);
+  const fs::path mask = occluder_file(TakeLayout(own), "cam02");
+  fs::create_directories(mask.parent_path());
+  ASSERT_THAT(save_png(Image(160, 120, 1), mask), IsOk());
+  const DerivedTake second{.rig = {}, .first = 1, .end = 2, .how = "trim", .label = ""};
+  ASSERT_THAT(derive_take(*open(own), second, folder_ / "part"), IsOk());
+  EXPECT_EQ(*read_file(occluder_file(TakeLayout(folder_ / "part"), "cam02")), *read_file(mask));
 }
 
 TEST_F(ANewTake, OfSeveralHasTheirPicturesOneAfterTheOther) {

@@ -14,6 +14,7 @@
 #include "core/file.h"
 #include "core/png.h"
 #include "core/synthetic/synthetic_studio.h"
+#include "pipeline/occluders.h"
 #include "pipeline/undistort.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
@@ -74,6 +75,10 @@ class AStraightTake : public testing::Test {
       }
       ASSERT_THAT(make_folder(TakeLayout(bent()).plate("x").parent_path()), IsOk());
       ASSERT_THAT(save_png(studio->plate(c), TakeLayout(bent()).plate(rig.cameras[c].serial)), IsOk());
+      // The same picture as the first matte, so that it can be compared with that.
+      const fs::path mask = occluder_file(TakeLayout(bent()), rig.cameras[c].serial);
+      ASSERT_THAT(make_folder(mask.parent_path()), IsOk());
+      fs::copy_file(TakeLayout(bent()).matte(rig.cameras[c].serial, 0), mask);
     }
     ASSERT_THAT((*writer)->finish(), IsOk());
     ASSERT_THAT(capture::save_time_offsets({"silhouettes", {{"barrel", Nanoseconds{5}, Nanoseconds{1}, ""}}},
@@ -128,6 +133,8 @@ TEST_F(AStraightTake, HasThePicturesAndMattesThatCamerasWithoutLensesTake) {
     EXPECT_GT(pictures, 30) << kKinds[c].serial;
     EXPECT_GT(mattes, 24) << kKinds[c].serial;
     EXPECT_GT(plates, 30) << kKinds[c].serial;
+    EXPECT_EQ(*load_png(occluder_file(take->layout(), kKinds[c].serial)),
+              *load_png(take->layout().matte(kKinds[c].serial, 0)));
   }
 }
 
