@@ -1,6 +1,7 @@
 #include "pipeline/occluders.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "core/camera.h"
@@ -20,8 +21,10 @@ namespace fs = std::filesystem;
 constexpr std::string_view kFolder = "occluders";
 constexpr std::uint8_t kWithinProps = 2;
 constexpr int kRim = 2;           // px around a mask: there mattes and masks share pixels
-constexpr int kFewest = 3;        // cameras that bound what stands on the stage
-constexpr int kVoxels = 400'000;  // in the box of the hull: what is hidden is as coarse as they are
+constexpr int kFewest = 3;        // cameras that see somebody: two bound a place, the third confirms it
+constexpr int kMostRounds = 6;    // at most: each leaves less room, and sees that finer
+constexpr double kFiner = 0.9;    // of the voxels before: else that was the last
+constexpr int kVoxels = 400'000;  // in the box of the hull: what is hidden is as coarse
 
 /// 255 where the picture is white, or opaque where it has an opacity, and a rim around it.
 Image mask_in(const Image& picture) {
@@ -61,17 +64,17 @@ Eigen::Vector3d middle_of(const recon::LabelVolume& volume, std::size_t voxel) {
   return volume.voxel() * (volume.places()[voxel].cast<double>() + Eigen::Vector3d::Constant(0.5));
 }
 
-/// Which voxels may be somebody: half of the cameras at least see somebody there, and the others something
+/// Which voxels may be somebody: half of the cameras that look there see somebody, and the others something
 /// that stands before it. kWithinProps: they lie within what stands on the stage as well.
 std::vector<std::uint8_t> somebody_in(const Rig& rig, const std::vector<Matte>& mattes,
                                       const std::vector<Occluders::Mask>& masks,
                                       const recon::LabelVolume& volume, int threads) {
   std::vector<std::uint8_t> somebody(volume.size(), 0);
   const auto known = std::count_if(mattes.begin(), mattes.end(), [](const Matte& m) { return !m.empty(); });
+  const int fewest = std::max(kFewest, static_cast<int>(known) / 4);
   parallel_for(volume.size(), threads, [&](std::size_t v) {
     const Eigen::Vector3d middle = middle_of(volume, v);
-    std::ptrdiff_t seen = 0;
-    int looking = 0, on_props = 0;
+    int looking = 0, seen = 0, on_props = 0;
     for (std::size_t c = 0; c < mattes.size(); ++c) {
       if (mattes[c].empty()) continue;
       const Eigen::Vector3d there = rig.cameras[c].cam_from_world * middle;
@@ -84,7 +87,7 @@ std::vector<std::uint8_t> somebody_in(const Rig& rig, const std::vector<Matte>& 
       seen += on_somebody;
       if (!on_somebody && masks[c].stands_at(x, y) && there.z() < masks[c].depth_at(x, y)) return;
     }
-    if (2 * seen >= known) somebody[v] = on_props == looking && looking >= kFewest ? kWithinProps : 1;
+    if (seen >= fewest && 2 * seen >= looking) somebody[v] = on_props == looking ? kWithinProps : 1;
   });
   return somebody;
 }
@@ -184,7 +187,9 @@ void Occluders::find_depths(const Rig& rig) {
 
 Result<std::vector<Matte>> Occluders::silhouettes(const Rig& rig, std::vector<Matte> mattes, int threads,
                                                   Within* within) const {
-  if (!any()) return mattes;
+  const bool nobody =
+      std::all_of(mattes.begin(), mattes.end(), [](const Matte& m) { return m.empty() || coverage(m) == 0; });
+  if (!any() || nobody) return mattes;
   std::vector<Matte> room = mattes;  // what each camera leaves to the others
   bool hides = false;
   for (std::size_t c = 0; c < mattes.size(); ++c) {
@@ -192,23 +197,26 @@ Result<std::vector<Matte>> Occluders::silhouettes(const Rig& rig, std::vector<Ma
     room[c] = with(mattes[c], masks_[c].stands);
     hides = true;
   }
-  const bool nobody =
-      std::all_of(mattes.begin(), mattes.end(), [](const Matte& m) { return m.empty() || coverage(m) == 0; });
-  const double edge = hides && !nobody ? recon::LabelVolume::edge_for(rig, room, kVoxels) : 0;
-  if (edge == 0) return mattes;
-  const Result<recon::LabelVolume> volume = recon::LabelVolume::carve(rig, room, edge, 1, threads);
-  if (!volume) return forward(volume);
-  const std::vector<std::uint8_t> somebody = somebody_in(rig, mattes, masks_, *volume, threads);
-  if (within != nullptr) *within = within_props(rig, mattes, masks_, *volume, somebody);
-  for (std::size_t c = 0; c < mattes.size(); ++c) {
-    if (!hides_any(mattes[c], masks_[c])) continue;
-    const Image theirs = volume->picture(static_cast<int>(c), somebody), &stands = masks_[c].stands;
-    Image seen = to_image(mattes[c]);
-    for (std::size_t i = 0; i < seen.pixels.size(); ++i)
-      if (stands.pixels[i] != 0) seen.pixels[i] = theirs.pixels[i] != 0 ? 255 : 0;
-    mattes[c] = make_matte(mattes[c].source, seen);
+  if (!hides) return mattes;
+  double finest = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < kMostRounds; ++round) {
+    const double edge = recon::LabelVolume::edge_for(rig, room, kVoxels);
+    if (edge == 0 || edge > kFiner * finest) break;
+    finest = edge;
+    const Result<recon::LabelVolume> volume = recon::LabelVolume::carve(rig, room, edge, 1, threads);
+    if (!volume) return forward(volume);
+    const std::vector<std::uint8_t> somebody = somebody_in(rig, mattes, masks_, *volume, threads);
+    if (within != nullptr) *within = within_props(rig, mattes, masks_, *volume, somebody);
+    for (std::size_t c = 0; c < mattes.size(); ++c) {
+      if (!hides_any(mattes[c], masks_[c])) continue;
+      const Image theirs = volume->picture(static_cast<int>(c), somebody), &stands = masks_[c].stands;
+      Image behind(stands.width, stands.height, 1);
+      for (std::size_t i = 0; i < behind.pixels.size(); ++i)
+        if (theirs.pixels[i] != 0) behind.pixels[i] = stands.pixels[i];
+      room[c] = with(mattes[c], behind);
+    }
   }
-  return mattes;
+  return finest < std::numeric_limits<double>::infinity() ? room : mattes;
 }
 
 }  // namespace floatstage::pipeline

@@ -35,9 +35,9 @@ class Occluders {
     int camera = -1;  ///< whose matte shows most of that
   };
 
-  /// What carves the hull: the mattes, and within the masks what the cameras together have of somebody there,
-  /// whether this one sees it or not: what lies on somebody in half of the mattes, and in the others behind
-  /// what stands before it. Empty mattes stay so; all do where there are no occluders. Outlines within masks
+  /// What carves the hull: the mattes, and within the masks what the other cameras have of somebody there:
+  /// what lies on somebody for half of those that look there, and for the others behind what stands before
+  /// it. Empty mattes stay so; all do where there are no occluders. Outlines within masks
   /// are as coarse as 400,000 voxels about the hull. Any thread. BadData where silhouettes bound too much.
   Result<std::vector<Matte>> silhouettes(const Rig& rig, std::vector<Matte> mattes, int threads,
                                          Within* within = nullptr) const;

@@ -1,4 +1,4 @@
-# blender --background --factory-startup --python rendered_stage.py -- STAGE OUT WIDTH SAMPLES [CAMERAS [props]]
+# blender --background --factory-startup --python rendered_stage.py -- STAGE OUT WIDTH SAMPLES [CAMERAS [lectern|rail]]
 # A performer on a stage that the synthetic studio does not have, path traced: noise of light, soft shadows, light
 # that walls throw on clothes. STAGE is one of
 #   tarpaulin  blue cloth on the floor and on three of four walls, striped plaster elsewhere, stands
@@ -17,7 +17,8 @@
 #   asphalt    a grey floor before grey walls, grey clothes, a high sun
 # Writes OUT/sparse (CAMERAS, or eight, as a COLMAP model), OUT/pictures/<serial>/000000.png,
 # OUT/plates/<serial>.png of the empty stage and OUT/truth/<serial>/000000.png, whose alpha is the performer.
-# With props a lectern and a stand are on the stage beside the performer, and OUT/occluders/<serial>.png has them.
+# With a lectern (and a stand) or a rail (and an armchair) beside the performer, OUT/occluders/<serial>.png has them and
+# OUT/whole is the truth without them.
 import math
 import os
 import random
@@ -28,7 +29,7 @@ from mathutils import Matrix, Vector
 
 given = sys.argv[sys.argv.index("--") + 1:]
 stage, out, width, samples, cameras = (given + ["8"])[:5]
-with_props = given[5:] == ["props"]
+beside = given[5] if len(given) > 5 else None
 width, samples, cameras = int(width), int(samples), int(cameras)
 height, focal = width * 3 // 4, width * 0.875
 # By stage: what the dice of this file begin with, and the performer's shirt.
@@ -320,12 +321,27 @@ def performer():
     return made
 
 
-def props():
-    """A lectern and a stand, from some sides before the performer."""
+def lectern():
+    """And a stand: from some sides before the performer."""
     box((0.75, 0.1, 0.5), (0.45, 0.6, 1.0), material((0.3, 0.18, 0.1), 0.6, "ShaderNodeTexWave", 4, (0.2, 0.1, 0.06)), 0.4)
-    lectern = bpy.context.object
+    yield bpy.context.object
     pole((-0.1, -0.75, 0.8), 0.03, 1.6, material((0.03, 0.03, 0.03)))
-    return [lectern, bpy.context.object]
+    yield bpy.context.object
+
+
+def rail():
+    """And an armchair."""
+    wood = material((0.3, 0.18, 0.1), 0.6)
+    for z in (0.45, 0.95):
+        box((0, -0.8, z), (3.0, 0.05, 0.06), wood, 0.2)
+        yield bpy.context.object
+    for x in (-1.2, 0, 1.2):
+        pole((x, -0.8 + 0.2 * x, 0.5), 0.03, 1.0, wood)
+        yield bpy.context.object
+    for center, size in (((-0.6, 0.5, 0.25), (0.6, 0.6, 0.5)), ((-0.6, 0.85, 0.6), (0.6, 0.1, 0.7)),
+                         ((-0.3, 0.5, 0.4), (0.1, 0.6, 0.4)), ((-0.9, 0.5, 0.4), (0.1, 0.6, 0.4))):
+        box(center, size, wood)
+        yield bpy.context.object
 
 
 def ring_of_cameras():
@@ -377,7 +393,7 @@ sky((0.5, 0.5, 0.55), 0.25)
  "theatre": theatre, "gym": gym, "garden": garden, "yard": yard, "court": court, "beach": beach,
  "spot": spot, "greens": greens, "asphalt": asphalt}[stage]()
 scenery = [thing for thing in scene.objects if thing.type == "MESH"]
-standing = props() if with_props else []
+standing = list({None: list, "lectern": lectern, "rail": rail}[beside]())
 views = ring_of_cameras()
 write_model(views)
 render(views, "plates/cam{:02d}.png", 1000)
@@ -395,3 +411,7 @@ if standing:
     for thing in standing:
         thing.is_holdout = False
     render(views, "occluders/cam{:02d}.png", 0)
+    for thing in standing:
+        thing.hide_render = True
+    somebody.hide_render = False
+    render(views, "whole/cam{:02d}/000000.png", 0)
