@@ -47,9 +47,9 @@ Result<Input> load(const HullArguments& given) {
   if (mattes)
     mattes = pipeline::silhouettes_of_labels(**take, given.frame, std::move(*mattes), given.threads);
   if (!mattes) return forward(mattes);
-  const Result<pipeline::Occluders> occluders = pipeline::Occluders::load((*take)->layout(), (*take)->rig());
+  const Result<pipeline::Occluders> occluders = pipeline::load_occluders((*take)->layout(), (*take)->rig());
   if (!occluders) return forward(occluders);
-  mattes = occluders->silhouettes((*take)->rig(), std::move(*mattes), given.threads);
+  mattes = occluders->props.silhouettes((*take)->rig(), std::move(*mattes), given.threads);
   if (!mattes) return forward(mattes);
   if (given.cameras.empty()) return Input{(*take)->rig(), std::move(*mattes)};
   Input input;

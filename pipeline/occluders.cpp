@@ -1,17 +1,13 @@
 #include "pipeline/occluders.h"
 
 #include <algorithm>
-#include <limits>
-#include <optional>
+#include <utility>
 
-#include "core/camera.h"
 #include "core/file_presence.h"
-#include "core/parallel.h"
 #include "core/png.h"
 #include "core/text.h"
 #include "pipeline/made_files.h"
 #include "pipeline/mesh_record.h"
-#include "recon/label_volume.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -19,120 +15,21 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kFolder = "occluders";
-constexpr std::uint8_t kWithinProps = 2;
-constexpr int kRim = 2;           // px around a mask: there mattes and masks share pixels
-constexpr int kFewest = 3;        // cameras that see somebody: two bound a place, the third confirms it
-constexpr int kMostRounds = 6;    // at most: each leaves less room, and sees that finer
-constexpr double kFiner = 0.9;    // of the voxels before: else that was the last
-constexpr int kVoxels = 400'000;  // in the box of the hull: what is hidden is as coarse
 
-/// 255 where the picture is white, or opaque where it has an opacity, and a rim around it.
-Image mask_in(const Image& picture) {
-  Image mask(picture.width, picture.height, 1);
-  const int channel = picture.channels == 2 || picture.channels == 4 ? picture.channels - 1 : 0;
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) {
-      if (picture.at(x, y)[channel] < 128) continue;
-      const int left = std::max(0, x - kRim), right = std::min(mask.width, x + kRim + 1);
-      for (int v = std::max(0, y - kRim); v < std::min(mask.height, y + kRim + 1); ++v)
-        std::fill(mask.at(left, v), mask.at(left, v) + (right - left), std::uint8_t{255});
-    }
-  return mask;
-}
-
+/// 255 where the picture is white, or opaque where it has an opacity.
 Result<Image> load_mask(const fs::path& file, const RigCamera& camera) {
   const Result<Image> picture = load_png(file);
   if (!picture) return forward(picture);
   const CameraModel& m = camera.model;
-  if (picture->width == m.width && picture->height == m.height) return mask_in(*picture);
-  return fail(ErrorCode::BadData,
-              text(file.string(), " is ", picture->width, "x", picture->height, ", camera '", camera.serial,
-                   "' has pictures of ", m.width, "x", m.height, "; draw it over one of them"));
-}
-
-bool hides_any(const Matte& matte, const Occluders::Mask& mask) {
-  return !matte.empty() && !mask.stands.empty();
-}
-
-Matte with(const Matte& matte, const Image& mask) {
-  Image all = to_image(matte);
-  for (std::size_t i = 0; i < all.pixels.size(); ++i) all.pixels[i] = std::max(all.pixels[i], mask.pixels[i]);
-  return make_matte(matte.source, all);
-}
-
-Eigen::Vector3d middle_of(const recon::LabelVolume& volume, std::size_t voxel) {
-  return volume.voxel() * (volume.places()[voxel].cast<double>() + Eigen::Vector3d::Constant(0.5));
-}
-
-/// Which voxels may be somebody: half of the cameras that look there see somebody, and the others something
-/// that stands before it. kWithinProps: they lie within what stands on the stage as well.
-std::vector<std::uint8_t> somebody_in(const Rig& rig, const std::vector<Matte>& mattes,
-                                      const std::vector<Occluders::Mask>& masks,
-                                      const recon::LabelVolume& volume, int threads) {
-  std::vector<std::uint8_t> somebody(volume.size(), 0);
-  const auto known = std::count_if(mattes.begin(), mattes.end(), [](const Matte& m) { return !m.empty(); });
-  const int fewest = std::max(kFewest, static_cast<int>(known) / 4);
-  parallel_for(volume.size(), threads, [&](std::size_t v) {
-    const Eigen::Vector3d middle = middle_of(volume, v);
-    int looking = 0, seen = 0, on_props = 0;
-    for (std::size_t c = 0; c < mattes.size(); ++c) {
-      if (mattes[c].empty()) continue;
-      const Eigen::Vector3d there = rig.cameras[c].cam_from_world * middle;
-      const std::optional<Eigen::Vector2d> p = project(rig.cameras[c].model, there);
-      if (!p || !inside(rig.cameras[c].model, *p)) continue;
-      const int x = static_cast<int>(p->x()), y = static_cast<int>(p->y());
-      const bool on_somebody = mattes[c].row(y)[x] >= 128;
-      ++looking;
-      on_props += masks[c].stands_at(x, y);
-      seen += on_somebody;
-      if (!on_somebody && masks[c].stands_at(x, y) && there.z() < masks[c].depth_at(x, y)) return;
-    }
-    if (seen >= fewest && 2 * seen >= looking) somebody[v] = on_props == looking ? kWithinProps : 1;
-  });
-  return somebody;
-}
-
-/// How much of them lies within what stands on the stage, and which camera shows most of that as somebody.
-Occluders::Within within_props(const Rig& rig, const std::vector<Matte>& mattes,
-                               const std::vector<Occluders::Mask>& masks, const recon::LabelVolume& volume,
-                               const std::vector<std::uint8_t>& somebody) {
-  std::vector<int> shown(mattes.size(), 0);
-  double all = 0, within = 0;
-  for (std::size_t v = 0; v < volume.size(); ++v) {
-    all += somebody[v] != 0;
-    if (somebody[v] != kWithinProps) continue;
-    ++within;
-    for (std::size_t c = 0; c < mattes.size(); ++c) {
-      const std::optional<Eigen::Vector2d> p =
-          project(rig.cameras[c].model, rig.cameras[c].cam_from_world * middle_of(volume, v));
-      if (mattes[c].empty() || !p || !inside(rig.cameras[c].model, *p)) continue;
-      const int x = static_cast<int>(p->x()), y = static_cast<int>(p->y());
-      shown[c] += masks[c].stands_at(x, y) && mattes[c].row(y)[x] >= 128;
-    }
-  }
-  if (within == 0) return {};
-  const auto most = std::max_element(shown.begin(), shown.end());
-  return {within / all, static_cast<int>(most - shown.begin())};
-}
-
-/// Notes how near a voxel of what stands on the stage is, where a mask has it.
-void note(const Eigen::Vector3d& middle, double voxel, const RigCamera& camera, Occluders::Mask& mask) {
-  const Eigen::Vector3d there = camera.cam_from_world * middle;
-  const std::optional<Eigen::Vector2d> p = project(camera.model, there);
-  if (!p || !inside(camera.model, *p)) return;
-  const Image& stands = mask.stands;
-  const double reach = 1 + 0.5 * voxel / there.z() * std::max(camera.model.fx, camera.model.fy);
-  const int left = std::max(0, static_cast<int>(p->x() - reach)),
-            right = std::min(stands.width - 1, static_cast<int>(p->x() + reach)),
-            top = std::max(0, static_cast<int>(p->y() - reach)),
-            bottom = std::min(stands.height - 1, static_cast<int>(p->y() + reach));
-  const auto near = static_cast<float>(there.z() - voxel);
-  for (int y = top; y <= bottom; ++y)
-    for (int x = left; x <= right; ++x) {
-      float& depth = mask.depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(stands.width) +
-                                static_cast<std::size_t>(x)];
-      if (depth == 0 || near < depth) depth = near;
-    }
+  if (picture->width != m.width || picture->height != m.height)
+    return fail(ErrorCode::BadData,
+                text(file.string(), " is ", picture->width, "x", picture->height, ", camera '", camera.serial,
+                     "' has pictures of ", m.width, "x", m.height, "; draw it over one of them"));
+  Image mask(picture->width, picture->height, 1);
+  const int channel = picture->channels == 2 || picture->channels == 4 ? picture->channels - 1 : 0;
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) *mask.at(x, y) = picture->at(x, y)[channel] < 128 ? 0 : 255;
+  return mask;
 }
 
 }  // namespace
@@ -141,16 +38,15 @@ fs::path occluder_file(const TakeLayout& take, const std::string& serial) {
   return take.folder() / kFolder / (serial + ".png");
 }
 
-Result<Occluders> Occluders::load(const TakeLayout& take, const Rig& rig) {
-  Occluders all;
-  const fs::path folder = take.folder() / kFolder;
-  if (!is_there(folder)) return all;
-  std::vector<std::string> hashes;
-  all.masks_.resize(rig.cameras.size());
+Result<Occluders> load_occluders(const TakeLayout& take, const Rig& rig) {
   std::vector<fs::path> files;
   std::error_code none;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) files.push_back(entry.path());
+  for (const fs::directory_entry& entry : fs::directory_iterator(take.folder() / kFolder, none))
+    files.push_back(entry.path());
+  if (files.empty()) return Occluders();
   std::sort(files.begin(), files.end());
+  std::vector<std::string> hashes;
+  std::vector<Image> masks(rig.cameras.size());
   for (const fs::path& file : files) {
     const int camera = file.extension() == ".png" ? camera_index(rig, file.stem().string()) : -1;
     if (camera < 0)
@@ -162,61 +58,9 @@ Result<Occluders> Occluders::load(const TakeLayout& take, const Rig& rig) {
     const Result<std::optional<std::string>> hash = hash_of(file);
     if (!hash) return forward(hash);
     hashes.push_back(text(rig.cameras[c].serial, " ", hash->value_or("")));
-    if (std::find(mask->pixels.begin(), mask->pixels.end(), 255) != mask->pixels.end())
-      all.masks_[c].stands = std::move(*mask);
+    masks[c] = std::move(*mask);
   }
-  if (hashes.empty()) return Occluders();
-  all.hash_ = hash_of_parts(hashes);
-  all.find_depths(rig);
-  return all;
-}
-
-void Occluders::find_depths(const Rig& rig) {
-  std::vector<Matte> silhouettes;
-  for (Mask& mask : masks_) {
-    silhouettes.push_back(mask.stands.empty() ? Matte() : make_matte({}, mask.stands));
-    mask.depth.assign(mask.stands.pixels.size(), 0.F);
-  }
-  const double edge = recon::LabelVolume::edge_for(rig, silhouettes, kVoxels);
-  if (edge == 0) return;
-  const Result<recon::LabelVolume> volume = recon::LabelVolume::carve(rig, silhouettes, edge, 1, 0);
-  for (std::size_t v = 0; volume && v < volume->size(); ++v)
-    for (std::size_t c = 0; c < masks_.size(); ++c)
-      if (!masks_[c].stands.empty()) note(middle_of(*volume, v), edge, rig.cameras[c], masks_[c]);
-}
-
-Result<std::vector<Matte>> Occluders::silhouettes(const Rig& rig, std::vector<Matte> mattes, int threads,
-                                                  Within* within) const {
-  const bool nobody =
-      std::all_of(mattes.begin(), mattes.end(), [](const Matte& m) { return m.empty() || coverage(m) == 0; });
-  if (!any() || nobody) return mattes;
-  std::vector<Matte> room = mattes;  // what each camera leaves to the others
-  bool hides = false;
-  for (std::size_t c = 0; c < mattes.size(); ++c) {
-    if (!hides_any(mattes[c], masks_[c])) continue;
-    room[c] = with(mattes[c], masks_[c].stands);
-    hides = true;
-  }
-  if (!hides) return mattes;
-  double finest = std::numeric_limits<double>::infinity();
-  for (int round = 0; round < kMostRounds; ++round) {
-    const double edge = recon::LabelVolume::edge_for(rig, room, kVoxels);
-    if (edge == 0 || edge > kFiner * finest) break;
-    finest = edge;
-    const Result<recon::LabelVolume> volume = recon::LabelVolume::carve(rig, room, edge, 1, threads);
-    if (!volume) return forward(volume);
-    const std::vector<std::uint8_t> somebody = somebody_in(rig, mattes, masks_, *volume, threads);
-    if (within != nullptr) *within = within_props(rig, mattes, masks_, *volume, somebody);
-    for (std::size_t c = 0; c < mattes.size(); ++c) {
-      if (!hides_any(mattes[c], masks_[c])) continue;
-      const Image theirs = volume->picture(static_cast<int>(c), somebody), &stands = masks_[c].stands;
-      Image behind(stands.width, stands.height, 1);
-      for (std::size_t i = 0; i < behind.pixels.size(); ++i)
-        if (theirs.pixels[i] != 0) behind.pixels[i] = stands.pixels[i];
-      room[c] = with(mattes[c], behind);
-    }
-  }
-  return finest < std::numeric_limits<double>::infinity() ? room : mattes;
+  return Occluders{recon::Props(rig, std::move(masks)), hash_of_parts(hashes)};
 }
 
 }  // namespace floatstage::pipeline

@@ -2,63 +2,25 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
-#include "core/matte.h"
 #include "core/result.h"
 #include "core/rig.h"
 #include "core/take_layout.h"
+#include "recon/props.h"
 
 namespace floatstage::pipeline {
 
-/// Of a take: where a camera's mask lies, if there is one.
+/// Of a take: where a camera's mask of what stands on the stage lies, if there is one:
+/// occluders/<serial>.png, white, or opaque, where something may hide somebody.
 std::filesystem::path occluder_file(const TakeLayout& take, const std::string& serial);
 
-/// What stands on the stage between cameras and performers and is none of them: a lectern, a stand, a rail.
-/// Where it is in a picture, the camera does not know whether somebody is behind it. A take has them as
-/// occluders/<serial>.png, white (or opaque) where something may hide somebody. Where several cameras have
-/// it, how far it stands is known from the hull of its masks, and nobody who is nearer is behind it
-/// (docs/adr/0366-props-hide-and-do-not-carve.md).
-class Occluders {
- public:
-  Occluders() = default;
-  /// Errors: BadData for a picture that is no mask of its camera's size, or of no camera of the rig.
-  static Result<Occluders> load(const TakeLayout& take, const Rig& rig);
-
-  bool any() const { return !hash_.empty(); }
-  const std::string& hash() const { return hash_; }  ///< of the pictures; empty where there are none
-
-  /// How much of somebody, of 1, lies within what stands on the stage, where nobody can be: shadows on it
-  /// that a matte took for somebody, or masks that are larger than it is.
-  struct Within {
-    double share = 0;
-    int camera = -1;  ///< whose matte shows most of that
-  };
-
-  /// What carves the hull: the mattes, and within the masks what the other cameras have of somebody there:
-  /// what lies on somebody for half of those that look there, and for the others behind what stands before
-  /// it. Empty mattes stay so; all do where there are no occluders. Outlines within masks
-  /// are as coarse as 400,000 voxels about the hull. Any thread. BadData where silhouettes bound too much.
-  Result<std::vector<Matte>> silhouettes(const Rig& rig, std::vector<Matte> mattes, int threads,
-                                         Within* within = nullptr) const;
-
-  /// What stands before a camera.
-  struct Mask {
-    Image stands;  ///< one channel, 255 or 0; empty: nothing does
-    std::vector<float>
-        depth;  ///< px by px: metres along the axis to what is nearest; 0: not known, may be near
-    bool stands_at(int x, int y) const { return !stands.empty() && *stands.at(x, y) != 0; }
-    double depth_at(int x, int y) const {
-      return depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(stands.width) +
-                   static_cast<std::size_t>(x)];
-    }
-  };
-
- private:
-  void find_depths(const Rig& rig);
-
-  std::vector<Mask> masks_;
-  std::string hash_;
+/// What stands on a take's stage.
+struct Occluders {
+  recon::Props props;
+  std::string hash;  ///< of the pictures; empty where there are none
 };
+
+/// Errors: BadData for a picture that is no mask of its camera's size, or of no camera of the rig.
+Result<Occluders> load_occluders(const TakeLayout& take, const Rig& rig);
 
 }  // namespace floatstage::pipeline

@@ -42,11 +42,11 @@ std::vector<int> spread(const std::vector<int>& frames) {
 Result<std::vector<pipeline::InstantMattes>> load(const capture::TakeReader& take,
                                                   const std::vector<int>& frames) {
   std::vector<pipeline::InstantMattes> instants;
-  const Result<pipeline::Occluders> occluders = pipeline::Occluders::load(take.layout(), take.rig());
+  const Result<pipeline::Occluders> occluders = pipeline::load_occluders(take.layout(), take.rig());
   if (!occluders) return forward(occluders);
   for (const int frame : frames) {
     Result<std::vector<Matte>> mattes = pipeline::load_mattes(take, frame);
-    if (mattes) mattes = occluders->silhouettes(take.rig(), std::move(*mattes), 0);
+    if (mattes) mattes = occluders->props.silhouettes(take.rig(), std::move(*mattes), 0);
     if (!mattes) return forward(mattes);
     const bool any = std::any_of(mattes->begin(), mattes->end(), [](const Matte& m) { return !m.empty(); });
     if (any) instants.push_back(*std::move(mattes));

@@ -78,9 +78,9 @@ Result<Mesh> hull_without(const capture::TakeReader& take, const Instant& instan
   std::vector<Matte> mattes = std::move(*silhouettes);
   for (std::size_t i = 0; i < mattes.size(); ++i)
     if (!input[i] || static_cast<int>(i) == held) mattes[i] = {};
-  const Result<Occluders> occluders = Occluders::load(take.layout(), take.rig());
+  const Result<Occluders> occluders = load_occluders(take.layout(), take.rig());
   if (!occluders) return forward(occluders);
-  silhouettes = occluders->silhouettes(take.rig(), std::move(mattes), proxy.hull.threads);
+  silhouettes = occluders->props.silhouettes(take.rig(), std::move(mattes), proxy.hull.threads);
   if (!silhouettes) return forward(silhouettes);
   recon::HullOptions options = proxy.hull;
   if (proxy.kind == Proxy::Kind::Films) {

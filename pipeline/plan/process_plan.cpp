@@ -171,10 +171,9 @@ Result<void> add_meshes(const capture::TakeReader& take, const ProcessOptions& o
   if (!hull) return forward(hull);
   const Result<capture::AddedFile> added = capture::load_added(take.layout());
   if (!added) return forward(added);
-  const Result<Occluders> occluders = Occluders::load(take.layout(), take.rig());
+  const Result<Occluders> occluders = load_occluders(take.layout(), take.rig());
   if (!occluders) return forward(occluders);
-  const std::string inputs =
-      hash_of_hull_inputs(take.manifest().rig_sha256, *hull, *added, occluders->hash());
+  const std::string inputs = hash_of_hull_inputs(take.manifest().rig_sha256, *hull, *added, occluders->hash);
   double recorded = 0;
   for (const std::string& serial : serials_of(take.rig())) recorded += media_bytes(take, serial);
   for (PlanItem& piece : pieces_of(wanted_frames(take, options.frames), chunk)) {

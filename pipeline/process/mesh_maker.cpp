@@ -213,10 +213,10 @@ class MeshMaker {
     Result<capture::AddedFile> added = capture::load_added(take_.layout());
     if (!added) return forward(added);
     added_ = std::move(*added);
-    Result<Occluders> occluders = Occluders::load(take_.layout(), take_.rig());
+    Result<Occluders> occluders = load_occluders(take_.layout(), take_.rig());
     if (!occluders) return forward(occluders);
     occluders_ = std::move(*occluders);
-    inputs_ = hash_of_hull_inputs(take_.manifest().rig_sha256, hull_, added_, occluders_.hash());
+    inputs_ = hash_of_hull_inputs(take_.manifest().rig_sha256, hull_, added_, occluders_.hash);
     std::vector<std::optional<FrameHull>> hulls(frames.size());
     others_.assign(frames.size(), 0);
     ProgressPart progress(options_.progress, "meshes", frames.size());
@@ -292,7 +292,7 @@ class MeshMaker {
     if (!mattes) return forward(mattes);
     std::unique_ptr<HullWorkspaces::Slot> slot = workspaces_.take();
     Result<json> report = make_mesh(take_.rig(), *mattes, added_, hull_, *slot);
-    if (report && !report->at("empty") && everybody() && !occluders_.any())
+    if (report && !report->at("empty") && everybody() && !occluders_.props.any())
       report = heal(frame, *mattes, *slot, std::move(*report), made);
     if (report && report->contains("silhouettes")) evidence_.note(frame, slot->report, *mattes);
     if (report) finished.mesh = slot->report.mesh;
@@ -305,9 +305,9 @@ class MeshMaker {
   }
 
   Result<std::vector<Matte>> behind_props(int frame, std::vector<Matte> mattes) {
-    Occluders::Within within;
+    recon::Props::Within within;
     Result<std::vector<Matte>> silhouettes =
-        occluders_.silhouettes(take_.rig(), std::move(mattes), hull_.threads, &within);
+        occluders_.props.silhouettes(take_.rig(), std::move(mattes), hull_.threads, &within);
     const std::lock_guard lock(within_mutex_);
     if (within.share > within_.share || (within.share == within_.share && frame < within_frame_))
       within_ = within, within_frame_ = frame;
@@ -367,7 +367,7 @@ class MeshMaker {
   capture::AddedFile added_;
   Occluders occluders_;
   std::mutex within_mutex_;
-  Occluders::Within within_;  // the most of any frame
+  recon::Props::Within within_;  // the most of any frame
   int within_frame_ = 0;
   std::string inputs_;  // what is common to all frames, as a hash
   MeshRecord record_;

@@ -21,11 +21,11 @@ Result<std::vector<std::string>> pose_doubts(const capture::TakeReader& take, co
   std::vector<int> asked = {frames[frames.size() / 3], frames[2 * frames.size() / 3]};
   asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
   std::vector<InstantMattes> instants;
-  const Result<Occluders> occluders = Occluders::load(take.layout(), take.rig());
+  const Result<Occluders> occluders = load_occluders(take.layout(), take.rig());
   if (!occluders) return forward(occluders);
   for (const int frame : asked) {
     Result<std::vector<Matte>> mattes = load_mattes(take, frame);
-    if (mattes) mattes = occluders->silhouettes(take.rig(), std::move(*mattes), threads);
+    if (mattes) mattes = occluders->props.silhouettes(take.rig(), std::move(*mattes), threads);
     if (mattes) instants.push_back(*std::move(mattes));  // else the frame itself has failed, and says why
   }
   if (instants.empty()) return doubts;

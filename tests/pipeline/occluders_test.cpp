@@ -82,9 +82,9 @@ class BehindAProp : public testing::Test {
   fs::path mask(std::size_t camera) const {
     return folder_ / "occluders" / (rig_.cameras[camera].serial + ".png");
   }
-  Result<Occluders> load() const { return Occluders::load(TakeLayout(folder_.path()), rig_); }
-  std::vector<Matte> silhouettes(Occluders::Within* within = nullptr) const {
-    return *load()->silhouettes(rig_, mattes(true), 2, within);
+  Result<Occluders> load() const { return load_occluders(TakeLayout(folder_.path()), rig_); }
+  std::vector<Matte> silhouettes(recon::Props::Within* within = nullptr) const {
+    return *load()->props.silhouettes(rig_, mattes(true), 2, within);
   }
   double hull_of(const std::vector<Matte>& mattes) const {
     recon::HullOptions options;
@@ -109,7 +109,7 @@ TEST_F(BehindAProp, OneCamerasMaskIsEnoughWhereThatCameraIsTheOneThatLacks) {
   const double whole = hull_of(mattes(false));
   EXPECT_LT(hull_of(lacking), 0.95 * whole);
   draw_masks(1);
-  EXPECT_NEAR(hull_of(*load()->silhouettes(rig_, lacking, 2)), whole, 0.03 * whole);
+  EXPECT_NEAR(hull_of(*load()->props.silhouettes(rig_, lacking, 2)), whole, 0.03 * whole);
 }
 
 TEST_F(BehindAProp, WhoStandsBeforeItGrowsByNothing) {
@@ -127,7 +127,7 @@ TEST_F(BehindAProp, WhoStandsBeforeItGrowsByNothing) {
 
 TEST_F(BehindAProp, ItIsSaidWhereSomebodyIsWithinIt) {
   draw_masks(8);
-  Occluders::Within within;
+  recon::Props::Within within;
   silhouettes(&within);
   EXPECT_LT(within.share, 0.01);
   // A shadow on the prop that five cameras took for somebody.
@@ -139,7 +139,7 @@ TEST_F(BehindAProp, ItIsSaidWhereSomebodyIsWithinIt) {
       all.pixels[i] = std::max(all.pixels[i], prop.pixels[i]);
     shadowed.push_back(make_matte({}, all));
   }
-  ASSERT_THAT(load()->silhouettes(rig_, shadowed, 2, &within), IsOk());
+  ASSERT_THAT(load()->props.silhouettes(rig_, shadowed, 2, &within), IsOk());
   EXPECT_GT(within.share, 0.1);
   EXPECT_GE(within.camera, 3);
 }
@@ -150,9 +150,9 @@ TEST_F(BehindAProp, WithoutMasksMattesStayAsTheyAre) {
     if (empty_folder) fs::create_directories(folder_ / "occluders");
     const Result<Occluders> none = load();
     ASSERT_THAT(none, IsOk());
-    EXPECT_FALSE(none->any());
-    EXPECT_EQ(none->hash(), "");
-    const std::vector<Matte> same = *none->silhouettes(rig_, given, 2);
+    EXPECT_FALSE(none->props.any());
+    EXPECT_EQ(none->hash, "");
+    const std::vector<Matte> same = *none->props.silhouettes(rig_, given, 2);
     for (std::size_t c = 0; c < given.size(); ++c) EXPECT_EQ(same[c].alpha, given[c].alpha);
   }
 }
@@ -161,15 +161,15 @@ TEST_F(BehindAProp, WhoIsNotThereIsNotBehindIt) {
   draw_masks(8);
   std::vector<Matte> nobody(8, make_matte({}, Image(kWidth, kHeight, 1)));
   nobody[3] = {};
-  const std::vector<Matte> seen = *load()->silhouettes(rig_, nobody, 2);
+  const std::vector<Matte> seen = *load()->props.silhouettes(rig_, nobody, 2);
   for (std::size_t c = 0; c < 8; ++c) EXPECT_EQ(coverage(seen[c]), 0) << c;
   EXPECT_TRUE(seen[3].empty());
 }
 
 TEST_F(BehindAProp, TheSameAtAnyNumberOfThreads) {
   draw_masks(8);
-  const std::vector<Matte> one = *load()->silhouettes(rig_, mattes(true), 1),
-                           three = *load()->silhouettes(rig_, mattes(true), 3);
+  const std::vector<Matte> one = *load()->props.silhouettes(rig_, mattes(true), 1),
+                           three = *load()->props.silhouettes(rig_, mattes(true), 3);
   for (std::size_t c = 0; c < 8; ++c) EXPECT_EQ(to_image(one[c]), to_image(three[c]));
 }
 
