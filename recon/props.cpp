@@ -44,6 +44,18 @@ Eigen::Vector3d middle_of(const LabelVolume& volume, std::size_t voxel) {
   return volume.voxel() * (volume.places()[voxel].cast<double>() + Eigen::Vector3d::Constant(0.5));
 }
 
+/// The pixel in which a camera has a point, and its depth; nothing beside the picture.
+struct SeenAt {
+  int x = 0, y = 0;
+  double depth = 0;
+};
+std::optional<SeenAt> seen_at(const RigCamera& camera, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d there = camera.cam_from_world * point;
+  const std::optional<Eigen::Vector2d> p = project(camera.model, there);
+  if (!p || !inside(camera.model, *p)) return std::nullopt;
+  return SeenAt{static_cast<int>(p->x()), static_cast<int>(p->y()), there.z()};
+}
+
 /// Which voxels may be somebody: half of the cameras that look there see somebody, and the others something
 /// that stands before it. kWithinProps: they lie within what stands on the stage as well.
 std::vector<std::uint8_t> somebody_in(const Rig& rig, const std::vector<Matte>& mattes,
@@ -57,15 +69,13 @@ std::vector<std::uint8_t> somebody_in(const Rig& rig, const std::vector<Matte>& 
     int looking = 0, seen = 0, on_props = 0;
     for (std::size_t c = 0; c < mattes.size(); ++c) {
       if (mattes[c].empty()) continue;
-      const Eigen::Vector3d there = rig.cameras[c].cam_from_world * middle;
-      const std::optional<Eigen::Vector2d> p = project(rig.cameras[c].model, there);
-      if (!p || !inside(rig.cameras[c].model, *p)) continue;
-      const int x = static_cast<int>(p->x()), y = static_cast<int>(p->y());
-      const bool on_somebody = mattes[c].row(y)[x] >= 128;
+      const std::optional<SeenAt> at = seen_at(rig.cameras[c], middle);
+      if (!at) continue;
+      const bool on_somebody = mattes[c].row(at->y)[at->x] >= 128, on_prop = masks[c].stands_at(at->x, at->y);
+      if (!on_somebody && on_prop && at->depth < masks[c].depth_at(at->x, at->y)) return;
       ++looking;
-      on_props += masks[c].stands_at(x, y);
+      on_props += on_prop;
       seen += on_somebody;
-      if (!on_somebody && masks[c].stands_at(x, y) && there.z() < masks[c].depth_at(x, y)) return;
     }
     if (seen >= fewest && 2 * seen >= looking) somebody[v] = on_props == looking ? kWithinProps : 1;
   });
@@ -83,11 +93,9 @@ Props::Within within_props(const Rig& rig, const std::vector<Matte>& mattes,
     if (somebody[v] != kWithinProps) continue;
     ++within;
     for (std::size_t c = 0; c < mattes.size(); ++c) {
-      const std::optional<Eigen::Vector2d> p =
-          project(rig.cameras[c].model, rig.cameras[c].cam_from_world * middle_of(volume, v));
-      if (mattes[c].empty() || !p || !inside(rig.cameras[c].model, *p)) continue;
-      const int x = static_cast<int>(p->x()), y = static_cast<int>(p->y());
-      shown[c] += masks[c].stands_at(x, y) && mattes[c].row(y)[x] >= 128;
+      const std::optional<SeenAt> at = seen_at(rig.cameras[c], middle_of(volume, v));
+      if (mattes[c].empty() || !at) continue;
+      shown[c] += masks[c].stands_at(at->x, at->y) && mattes[c].row(at->y)[at->x] >= 128;
     }
   }
   if (within == 0) return {};
