@@ -69,8 +69,9 @@ class TakeReader {
   /// Up to the cut: rows whose pictures are not in the media file any more are not here.
   virtual const std::vector<FrameRow>& rows(int camera) const = 0;
   /// One camera's frame in the recorded format; no pixels and status Lost for a gap and beyond rows(camera),
-  /// no pixels and status Corrupt where the media file is damaged (logged once). Sequential access is fast,
-  /// seeking works. InvalidArgument for a camera or index that is not there; Io.
+  /// no pixels and status Corrupt where the media file is damaged, and where a picture is one colour all over
+  /// though the camera's others are not (logged once): it shows nothing, not nobody. Sequential access is
+  /// fast, seeking works. InvalidArgument for a camera or index that is not there; Io.
   virtual Result<Frame> frame(int camera, int index) = 0;
   /// The part of one camera's frame that holds `boxes`: crop() of frame() to `box`, which becomes what is
   /// around them. Of FFV1 the slices that meet one of them alone are decoded, and only their damage is

@@ -1,8 +1,11 @@
 #include <algorithm>
+#include <atomic>
+#include <deque>
 #include <mutex>
 #include <set>
 
 #include "capture/added_file.h"
+#include "capture/blank_picture.h"
 #include "capture/derivation.h"
 #include "capture/manifest_file.h"
 #include "capture/sha256.h"
@@ -12,6 +15,7 @@
 #include "core/log.h"
 #include "core/parallel.h"
 #include "core/rig_io.h"
+#include "core/statistics.h"
 #include "core/text.h"
 
 namespace floatstage::capture {
@@ -23,6 +27,9 @@ struct CameraPlayback {
   std::vector<FrameRow> rows;
   std::unique_ptr<TrackReader> track;  // none when no row has a picture
   AddedContent added;                  // what is hidden in its pictures
+  std::once_flag looked_at;
+  bool shows_something = false;  // usually: what is one colour all over is no picture of its
+  std::atomic<bool> told = false;
 };
 
 class FolderReader final : public TakeReader {
@@ -50,6 +57,8 @@ class FolderReader final : public TakeReader {
   Result<Frame> row_of(int camera, int index, std::optional<std::int64_t>& media_index) const;
   Result<Frame> without_pixels(Frame frame, int index, const Error& error);
   Result<Frame> hide_added(const AddedContent& added, Frame frame) const;
+  bool shows_something(CameraPlayback& playback) const;
+  Frame blank(Frame frame, int index, CameraPlayback& playback) const;
   void look_at_order(const fs::path& side_file, const std::vector<FrameRow>& rows);
   void look_at_end(const TakeManifest::Camera& camera, const std::string& csv, bool has_pictures);
   void stop_at_the_cut(const TakeManifest::Camera& camera, CameraPlayback& playback);
@@ -61,7 +70,7 @@ class FolderReader final : public TakeReader {
   const TakeLayout layout_;
   TakeManifest manifest_;
   Rig rig_;
-  std::vector<CameraPlayback> cameras_;
+  std::deque<CameraPlayback> cameras_;
   std::vector<std::string> warnings_;
   int frame_count_ = 0;
   bool is_derived_ = false;  // its media may hold more pictures than it has rows
@@ -162,7 +171,7 @@ Result<void> FolderReader::read_camera(const TakeManifest::Camera& camera) {
   Result<std::vector<FrameRow>> rows =
       parse_frames_csv(*csv, static_cast<int>(cameras_.size()), side_file.string());
   if (!rows) return forward(rows);
-  CameraPlayback playback;
+  CameraPlayback& playback = cameras_.emplace_back();
   playback.rows = std::move(*rows);
   std::int64_t last = -1;
   for (std::size_t i = 0; i < playback.rows.size(); ++i) {
@@ -185,7 +194,6 @@ Result<void> FolderReader::read_camera(const TakeManifest::Camera& camera) {
     stop_at_the_cut(camera, playback);
   }
   frame_count_ = std::max(frame_count_, static_cast<int>(playback.rows.size()));
-  cameras_.push_back(std::move(playback));
   return {};
 }
 
@@ -255,13 +263,42 @@ Result<Frame> FolderReader::without_pixels(Frame frame, int index, const Error& 
   return frame;
 }
 
+// Whether what stands behind the subject differs in itself, in most of some pictures.
+bool FolderReader::shows_something(CameraPlayback& playback) const {
+  std::call_once(playback.looked_at, [&] {
+    constexpr std::int64_t kPictures = 5;
+    const std::int64_t count = playback.track->pictures();
+    std::vector<int> spreads;
+    for (std::int64_t i = 0; i < kPictures; ++i) {
+      const Result<std::shared_ptr<const std::byte[]>> pixels =
+          playback.track->picture((2 * i + 1) * count / (2 * kPictures));
+      if (pixels && !is_one_colour(playback.track->layout(), pixels->get()))
+        spreads.push_back(border_spread(playback.track->layout(), pixels->get()));
+    }
+    playback.shows_something = !spreads.empty() && median(std::move(spreads)) >= kLeastBorderSpread;
+  });
+  return playback.shows_something;
+}
+
+// A picture that shows nothing, of a camera that usually shows something, is none.
+Frame FolderReader::blank(Frame frame, int index, CameraPlayback& playback) const {
+  frame.info.status = FrameStatus::Corrupt;
+  if (!playback.told.exchange(true))
+    log::warning(text("camera '", rig_.cameras[static_cast<std::size_t>(frame.info.camera)].serial,
+                      "': its picture is one colour all over in frame ", index,
+                      ", as when a camera starts or a signal is lost: such pictures are left out"));
+  return frame;
+}
+
 Result<Frame> FolderReader::frame(int camera, int index) {
   std::optional<std::int64_t> media_index;
   Result<Frame> frame = row_of(camera, index, media_index);
   if (!frame || !media_index) return frame;
-  const CameraPlayback& playback = cameras_[static_cast<std::size_t>(camera)];
+  CameraPlayback& playback = cameras_[static_cast<std::size_t>(camera)];
   Result<std::shared_ptr<const std::byte[]>> pixels = playback.track->picture(*media_index);
   if (!pixels) return without_pixels(std::move(*frame), index, pixels.error());
+  if (is_one_colour(playback.track->layout(), pixels->get()) && shows_something(playback))
+    return blank(std::move(*frame), index, playback);
   frame->layout = playback.track->layout();
   frame->pixels = std::move(*pixels);
   return hide_added(playback.added, std::move(*frame));
@@ -281,7 +318,7 @@ Result<Frame> FolderReader::part(int camera, int index, std::span<const PixelBox
   if (!taken.empty() && playback.added.none()) {
     Result<std::shared_ptr<const std::byte[]>> pixels = playback.track->part(*media_index, taken);
     if (!pixels) return without_pixels(std::move(*part), index, pixels.error());
-    if (*pixels) {
+    if (*pixels && !is_one_colour(packed_layout(whole.format, box.width, box.height), pixels->get())) {
       part->layout = packed_layout(whole.format, box.width, box.height);
       part->pixels = std::move(*pixels);
       return part;

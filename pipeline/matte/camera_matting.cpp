@@ -212,6 +212,7 @@ Result<std::string> CameraMatting::chosen_method() {
     if (photograph->empty()) return candidates;
     Result<Image> picture = to_rgb(*photograph), key = key_.key(*photograph, frame);
     if (!picture) return forward(picture);
+    if (!key && key.error().code == ErrorCode::Unsupported) return candidates;  // and says so when it is made
     if (!key) return forward(key);
     if (key->empty()) return candidates;
     for (const std::string& method : methods) {

@@ -6,6 +6,7 @@
 #include "core/parallel.h"
 #include "core/png.h"
 #include "pipeline/matte/contradiction.h"
+#include "pipeline/matte/hull_agreement.h"
 #include "pipeline/matte/keyed_witnesses.h"
 
 namespace floatstage::pipeline {
