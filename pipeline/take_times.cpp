@@ -48,6 +48,33 @@ Result<std::vector<std::vector<Silhouette>>> outlines_of(const capture::TakeRead
   return outlines;
 }
 
+// Whether a camera shows in frame k what it showed in the one before, and most others do not.
+bool stands_still(const std::vector<std::vector<Silhouette>>& outlines, std::size_t k, std::size_t camera) {
+  if (outlines[k][camera].empty() || outlines[k][camera].points != outlines[k - 1][camera].points)
+    return false;
+  std::size_t others = 0, changed = 0;
+  for (std::size_t c = 0; c < outlines[k].size(); ++c) {
+    if (c == camera || outlines[k][c].empty()) continue;
+    ++others, changed += outlines[k][c].points != outlines[k - 1][c].points;
+  }
+  return 2 * changed > others;
+}
+
+std::vector<Standstill> standstills_in(const std::vector<std::vector<Silhouette>>& outlines,
+                                       const std::vector<int>& frames) {
+  constexpr std::size_t kLongEnough = 4;  // frames: performers may hold still for long, noise does not
+  std::vector<Standstill> found;
+  for (std::size_t c = 0; !outlines.empty() && c < outlines.front().size(); ++c) {
+    std::size_t begin = 0, best = 0, best_begin = 0;
+    for (std::size_t k = 1; k < outlines.size(); ++k) {
+      if (!stands_still(outlines, k, c)) begin = k;
+      if (k - begin + 1 > best) best = k - begin + 1, best_begin = begin;
+    }
+    if (best >= kLongEnough) found.push_back({c, frames[best_begin], frames[best_begin + best - 1]});
+  }
+  return found;
+}
+
 std::string rounded(double value, int decimals) {
   const double scale = std::pow(10, decimals);
   return text(std::round(scale * value) / scale);
@@ -88,18 +115,19 @@ void add_warnings(const Rig& rig, const std::vector<std::optional<double>>& inst
 }  // namespace
 
 Result<TakeTimes> measure_take_times(const capture::TakeReader& take, const std::vector<int>& frames,
-                                     int threads, Progress* progress) {
+                                     const calib::TimeOffsetOptions& options, Progress* progress) {
   for (std::size_t i = 1; i < frames.size(); ++i)
     if (frames[i] != frames[i - 1] + 1)
       return fail(ErrorCode::InvalidArgument,
                   "time offsets need frames that follow one another: A:B without a step");
   if (!(take.manifest().frame_rate > 0))
     return fail(ErrorCode::NotFound, text(take.layout().folder().string(), ": has no frame rate"));
-  const Result<std::vector<std::vector<Silhouette>>> outlines = outlines_of(take, frames, threads, progress);
+  const Result<std::vector<std::vector<Silhouette>>> outlines =
+      outlines_of(take, frames, options.threads, progress);
   if (!outlines) return forward(outlines);
-  Result<calib::TimeOffsets> offsets = calib::measure_time_offsets(take.rig(), *outlines);
+  Result<calib::TimeOffsets> offsets = calib::measure_time_offsets(take.rig(), *outlines, options);
   if (!offsets) return forward(offsets);
-  TakeTimes out{*std::move(offsets), {"silhouettes", {}}, {}};
+  TakeTimes out{*std::move(offsets), {"silhouettes", {}}, standstills_in(*outlines, frames), {}};
   std::vector<std::optional<double>> instants;  // frames
   for (const calib::TimeOffset& one : out.offsets.cameras)
     instants.push_back(one.measured ? std::optional(one.frames) : std::nullopt);

@@ -11,9 +11,16 @@
 
 namespace floatstage::pipeline {
 
+/// Frames in which one camera shows the same silhouette, to the last point, while most others' change.
+struct Standstill {
+  std::size_t camera = 0;
+  int first = 0, last = 0;  ///< frames
+};
+
 struct TakeTimes {
-  calib::TimeOffsets offsets;    ///< in frames, what is left beside the take's stamps
-  capture::TimeOffsetFile file;  ///< the same in nanoseconds, for the synchroniser
+  calib::TimeOffsets offsets;           ///< in frames, what is left beside the take's stamps
+  capture::TimeOffsetFile file;         ///< the same in nanoseconds, for the synchroniser
+  std::vector<Standstill> standstills;  ///< of four frames and more, a camera's longest
   /// Sentences: cameras that are measured too poorly to be used, and those that the synchroniser leaves out
   /// of live sets once it knows their instants, with what to do.
   std::vector<std::string> warnings;
@@ -29,6 +36,6 @@ inline constexpr double kSureFrames = 0.05;
 /// Errors: InvalidArgument for frames that do not follow one another, and as measure_time_offsets();
 /// NotFound for a take without a frame rate.
 Result<TakeTimes> measure_take_times(const capture::TakeReader& take, const std::vector<int>& frames,
-                                     int threads, Progress* progress);
+                                     const calib::TimeOffsetOptions& options, Progress* progress);
 
 }  // namespace floatstage::pipeline

@@ -51,7 +51,7 @@ Result<void> run_times(const TimesArguments& given) {
   if (!frames) return forward(frames);
   ProgressBar bar;
   const Result<pipeline::TakeTimes> times =
-      pipeline::measure_take_times(**take, *frames, given.threads, &bar);
+      pipeline::measure_take_times(**take, *frames, {.threads = given.threads}, &bar);
   if (!times) return forward(times);
   const Rig& rig = (*take)->rig();
   const double rate = (*take)->manifest().frame_rate;

@@ -11,6 +11,7 @@
 #include "core/text.h"
 #include "pipeline/derive/derived_take.h"
 #include "pipeline/derive/join.h"
+#include "pipeline/derive/set_times.h"
 #include "pipeline/json_report.h"
 
 namespace floatstage::apps {
@@ -19,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct TakeDeriveArguments {
-  fs::path take, out, json;
+  fs::path take, out, json, times;
   calib::RigFile rig;
   std::vector<fs::path> takes;
   std::string frames, label;
@@ -52,6 +53,19 @@ Result<void> set_rig(const TakeDeriveArguments& given) {
       {.rig = std::move(*rig), .how = text("set-rig ", given.rig.path.string()), .label = given.label},
       given.out);
   return report ? say(*report, given) : Result<void>(forward(report));
+}
+
+Result<void> set_times(const TakeDeriveArguments& given) {
+  const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
+  if (!take) return forward(take);
+  const Result<capture::TimeOffsetFile> times = given.times.empty()
+                                                    ? capture::load_time_offsets((*take)->layout())
+                                                    : capture::load_time_offsets(given.times);
+  if (!times) return forward(times);
+  const Result<pipeline::SetTimesReport> report = pipeline::set_times(**take, *times, given.out);
+  if (!report) return forward(report);
+  for (const std::string& sentence : report->sentences) std::printf("%s\n", sentence.c_str());
+  return say(report->take, given);
 }
 
 Result<void> trim(const TakeDeriveArguments& given) {
@@ -110,6 +124,18 @@ void add_take_derivations(CLI::App& take, Chosen& chosen) {
   verb->add_option("--label", rig->label, "The new take's label (default: as it was)");
   add_json(*verb, rig->json);
   verb->callback([rig, &chosen] { chosen.run = [rig] { return set_rig(*rig); }; });
+
+  auto timed = std::make_shared<TakeDeriveArguments>();
+  verb = add_verb(take, chosen, "set-times",
+                  "The same recording with every camera's pictures at their instants, as a new take",
+                  {"floatstage take set-times T -o together",
+                   "floatstage take set-times T --times rehearsal/times.json -o together"});
+  add_take(*verb, timed->take);
+  add_out(*verb, timed->out, "The new take's folder; it shares the media")->required();
+  verb->add_option("--times", timed->times,
+                   "What `calibrate times` wrote (default: the take's own times.json)");
+  add_json(*verb, timed->json);
+  verb->callback([timed, &chosen] { chosen.run = [timed] { return set_times(*timed); }; });
 
   auto part = std::make_shared<TakeDeriveArguments>();
   verb = add_verb(take, chosen, "trim", "A part of a recording as a new take",

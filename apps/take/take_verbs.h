@@ -9,7 +9,7 @@ void add_take_verb(CLI::App& app, Chosen& chosen);
 
 // Its sub-verbs that have files of their own.
 
-/// set-rig, trim, join: new takes of old ones.
+/// set-rig, set-times, trim, join: new takes of old ones.
 void add_take_derivations(CLI::App& take, Chosen& chosen);
 /// set-world: the same cameras in another world.
 void add_take_set_world(CLI::App& take, Chosen& chosen);

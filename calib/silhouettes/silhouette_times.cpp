@@ -4,21 +4,26 @@
 //          from silhouettes", 2004
 // Differs: poses are known, and offsets are fractions of a frame: cubic interpolation between pictures, least
 //          squares over all pairs, with a constant for each tangent, so that a rig that is off a little moves
-//          nothing; uncertainty by leaving stretches of time out (Efron 1982)
-// ADR:     0235, 0257
+//          nothing; uncertainty by leaving stretches of time out (Efron 1982); cameras that are apart by more
+//          than two frames are brought to the others' time by whole frames first
+// ADR:     0235, 0257, 0367
 
 #include "calib/silhouettes/silhouette_times.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <ceres/ceres.h>
 #include <ceres/cubic_interpolation.h>
 
 #include "calib/silhouettes/followed_tips.h"
 #include "calib/silhouettes/tangencies.h"
+#include "calib/silhouettes/whole_frames.h"
+#include "core/parallel.h"
 #include "core/statistics.h"
 #include "core/text.h"
 
@@ -29,18 +34,21 @@ using Curve = ceres::Grid1D<double>;
 using Interpolator = ceres::CubicInterpolator<Curve>;
 
 constexpr int kFewestFrames = 12;
-constexpr int kMargin = 3;            // frames around one, so that two of offset can be interpolated
-constexpr double kMost = 2;           // frames of offset
-constexpr int kStretches = 8;         // of time, for the jackknife
-constexpr double kFirstLoss = 2;      // px
-constexpr double kLeastLoss = 0.1;    // px: outlines are no better than that
-constexpr double kUseless = 0.25;     // frames: a sigma that helps nobody
-constexpr double kTurned = 5;         // times what tangents usually lie apart: a pose that is off
-constexpr int kFewestInstants = 5;    // of a tangent, of which one constant is estimated
-constexpr int kFewestShared = 8;      // instants at which two cameras' tips are compared
-constexpr double kOneTip = 1;         // px: tips that usually lie nearer to one another are one
-constexpr double kSameTangent = 0.3;  // px
-constexpr double kFewPlanes = 0.02;   // rad a pixel: the baseline runs through the subject
+constexpr int kMargin = 3;   // frames around one, so that two of offset can be interpolated
+constexpr double kMost = 2;  // frames of offset, beside whole ones
+constexpr double kInterpolated = kMost - 1e-6;  // at the end itself, a frame more would be read
+constexpr int kStretches = 8;                   // of time, for the jackknife
+constexpr double kFirstLoss = 2;                // px
+constexpr double kLeastLoss = 0.1;              // px: outlines are no better than that
+constexpr double kUseless = 0.25;               // frames: a sigma that helps nobody
+constexpr double kQuickUseless = 0.5;           // likewise, where only whole frames are asked
+constexpr double kTurned = 5;                   // times what tangents usually lie apart: a pose that is off
+constexpr int kFewestInstants = 5;              // of a tangent, of which one constant is estimated
+constexpr int kFewestShared = 8;                // instants at which two cameras' tips are compared
+constexpr double kOneTip = 1;                   // px: tips that usually lie nearer to one another are one
+constexpr double kSameTangent = 0.3;            // px
+constexpr int kFewCameras = 8;                  // of which all pairs are asked, also quickly
+constexpr double kFewPlanes = 0.02;             // rad a pixel: the baseline runs through the subject
 
 /// One tangent of a pair of cameras over time.
 struct Track {
@@ -114,8 +122,8 @@ class Apart final : public ceres::SizedCostFunction<1, 1, 1, 1> {
         frame_(frame) {}
   bool Evaluate(const double* const* p, double* residual, double** jacobians) const override {
     double a, b, rate_a, rate_b;
-    a_.Evaluate(frame_ - std::clamp(p[0][0], -kMost, kMost), &a, &rate_a);
-    b_.Evaluate(frame_ - std::clamp(p[1][0], -kMost, kMost), &b, &rate_b);
+    a_.Evaluate(frame_ - std::clamp(p[0][0], -kInterpolated, kInterpolated), &a, &rate_a);
+    b_.Evaluate(frame_ - std::clamp(p[1][0], -kInterpolated, kInterpolated), &b, &rate_b);
     residual[0] = a - b - p[2][0];
     if (jacobians == nullptr) return true;
     if (jacobians[0] != nullptr) jacobians[0][0] = -rate_a;
@@ -190,13 +198,35 @@ class Solver {
   int frames_;
 };
 
-std::vector<Track> all_tracks(const Rig& rig, std::span<const std::vector<ConvexOutline>> frames) {
-  std::vector<Track> tracks;
-  const int cameras = static_cast<int>(rig.cameras.size());
+// All of a few cameras; of many, each with some of its neighbours and some farther off, in the rig's order.
+std::vector<std::pair<int, int>> pairs_of(int cameras, bool quick) {
+  std::vector<std::pair<int, int>> pairs;
   for (int a = 0; a < cameras; ++a)
-    for (int b = a + 1; b < cameras; ++b)
-      for (int side = 0; side < 2; ++side)
-        if (auto track = track_of(rig, a, b, side, frames)) tracks.push_back(std::move(*track));
+    for (int b = a + 1; b < cameras; ++b) {
+      const int apart = std::min(b - a, cameras - (b - a));
+      if (!quick || cameras <= kFewCameras || apart <= 2 || apart == cameras / 4) pairs.emplace_back(a, b);
+    }
+  return pairs;
+}
+
+std::vector<Track> all_tracks(const Rig& rig, std::span<const std::vector<Silhouette>> silhouettes,
+                              const TimeOffsetOptions& options) {
+  std::vector<std::vector<ConvexOutline>> frames(silhouettes.size());
+  parallel_for(frames.size(), options.threads, [&](std::size_t k) {
+    for (std::size_t c = 0; c < rig.cameras.size(); ++c)
+      frames[k].push_back(convex_outline(rig.cameras[c].model, silhouettes[k][c]));
+  });
+  const std::vector<std::pair<int, int>> pairs =
+      pairs_of(static_cast<int>(rig.cameras.size()), options.quick);
+  std::vector<std::array<std::optional<Track>, 2>> found(pairs.size());
+  parallel_for(pairs.size(), options.threads, [&](std::size_t i) {
+    for (int side = 0; side < 2; ++side)
+      found[i][static_cast<std::size_t>(side)] = track_of(rig, pairs[i].first, pairs[i].second, side, frames);
+  });
+  std::vector<Track> tracks;
+  for (auto& sides : found)
+    for (std::optional<Track>& track : sides)
+      if (track) tracks.push_back(*std::move(track));
   return tracks;
 }
 
@@ -323,17 +353,20 @@ std::optional<std::size_t> turned_camera(const TimeOffsets& found) {
 }
 
 // A camera of which nothing is known says nothing, and must not be moved by what others see.
-void keep_measurable(TimeOffsets& out, std::vector<Track>& tracks) {
+// The reference is one that was not brought to the others' time, where there is one: it shares most instants.
+void keep_measurable(const std::vector<int>& whole, TimeOffsets& out, std::vector<Track>& tracks) {
   out.reference = -1;
-  for (std::size_t c = 0; c < out.cameras.size() && out.reference < 0; ++c)
-    if (out.cameras[c].measured) out.reference = static_cast<int>(c);
+  for (std::size_t c = 0; c < out.cameras.size(); ++c)
+    if (out.cameras[c].measured &&
+        (out.reference < 0 || (whole[c] == 0 && whole[static_cast<std::size_t>(out.reference)] != 0)))
+      out.reference = static_cast<int>(c);
   std::erase_if(tracks, [&](const Track& t) {
     return !out.cameras[static_cast<std::size_t>(t.a)].measured ||
            !out.cameras[static_cast<std::size_t>(t.b)].measured;
   });
 }
 
-void add_uncertainty(Solver& solver, TimeOffsets& out) {
+void add_uncertainty(Solver& solver, bool quick, TimeOffsets& out) {
   std::vector<std::vector<double>> without;
   for (int k = 0; k < kStretches; ++k) without.push_back(solver.solve(out.reference, k));
   for (std::size_t c = 0; c < out.cameras.size(); ++c) {
@@ -342,30 +375,40 @@ void add_uncertainty(Solver& solver, TimeOffsets& out) {
     double squares = 0;
     for (const std::vector<double>& offsets : without) squares += std::pow(offsets[c] - one.frames, 2);
     one.sigma_frames = std::sqrt((kStretches - 1.0) / kStretches * squares);
-    if (one.sigma_frames < kUseless && std::abs(one.frames) < kMost) continue;
+    if (one.sigma_frames < (quick ? kQuickUseless : kUseless) && std::abs(one.frames) < kMost) continue;
     one = {};
-    one.not_measured =
-        "its silhouettes do not tell: too little moves, or they are apart by two frames or more";
+    one.not_measured = text("its silhouettes do not tell: too little moves, or they are apart by more than ",
+                            kMostWholeFrames, " frames");
   }
 }
 
-}  // namespace
+std::vector<int> whole_frames_apart(const Rig& rig, const std::vector<Track>& tracks) {
+  std::vector<SharedTangent> tangents;
+  for (const Track& track : tracks) tangents.push_back({track.a, track.b, track.in_a, track.in_b});
+  return whole_frames_apart(rig.cameras.size(), tangents);
+}
 
-Result<TimeOffsets> measure_time_offsets(const Rig& rig, std::span<const std::vector<Silhouette>> frames) {
-  if (rig.cameras.size() < 2)
-    return fail(ErrorCode::InvalidArgument, "one camera alone has no time offset to another");
-  if (static_cast<int>(frames.size()) < kFewestFrames)
-    return fail(ErrorCode::InvalidArgument,
-                text("time offsets need ", kFewestFrames, " frames in a row at least, not ", frames.size()));
-  std::vector<std::vector<ConvexOutline>> convex(frames.size());
-  for (std::size_t k = 0; k < frames.size(); ++k)
-    for (std::size_t c = 0; c < rig.cameras.size(); ++c)
-      convex[k].push_back(convex_outline(rig.cameras[c].model, frames[k][c]));
-  std::vector<Track> tracks = all_tracks(rig, convex);
+// Every camera's pictures at the instants that they show; nothing where it has none.
+std::vector<std::vector<Silhouette>> at_their_instants(std::span<const std::vector<Silhouette>> frames,
+                                                       const std::vector<int>& offsets) {
+  std::vector<std::vector<Silhouette>> out;
+  const int count = static_cast<int>(frames.size());
+  for (int k = 0; k < count; ++k) {
+    out.emplace_back(offsets.size());
+    for (std::size_t c = 0; c < offsets.size(); ++c)
+      if (const int from = k - offsets[c]; from >= 0 && from < count)
+        out.back()[c] = frames[static_cast<std::size_t>(from)][c];
+  }
+  return out;
+}
+
+// Of cameras that are apart by two frames at most.
+TimeOffsets measure_fractions(const Rig& rig, std::span<const std::vector<Silhouette>> frames,
+                              const std::vector<int>& whole, std::vector<Track> tracks, bool quick) {
   TimeOffsets out = measurable(rig.cameras.size(), tracks);
   Solver solver(tracks, rig.cameras.size(), static_cast<int>(frames.size()));
   for (;;) {
-    keep_measurable(out, tracks);
+    keep_measurable(whole, out, tracks);
     if (tracks.empty()) return TimeOffsets{-1, std::move(out.cameras)};
     const std::vector<double> offsets = solver.solve(out.reference, -1);
     const std::vector<double> apart = distances(rig.cameras.size(), tracks);
@@ -381,11 +424,34 @@ Result<TimeOffsets> measure_time_offsets(const Rig& rig, std::span<const std::ve
              " px from the others' at all times alike: its pose is off (`calibrate silhouettes`)");
   }
   // Offsets to about a tenth of a frame tell which of the other tangents are one, and those make them surer.
-  for (Track& track : inner_tracks(rig, frames, out, tracks)) tracks.push_back(std::move(track));
+  if (!quick)
+    for (Track& track : inner_tracks(rig, frames, out, tracks)) tracks.push_back(std::move(track));
   const std::vector<double> offsets = solver.solve(out.reference, -1);
   for (std::size_t c = 0; c < offsets.size(); ++c)
     if (out.cameras[c].measured) out.cameras[c].frames = offsets[c];
-  add_uncertainty(solver, out);
+  add_uncertainty(solver, quick, out);
+  return out;
+}
+
+}  // namespace
+
+Result<TimeOffsets> measure_time_offsets(const Rig& rig, std::span<const std::vector<Silhouette>> frames,
+                                         const TimeOffsetOptions& options) {
+  if (rig.cameras.size() < 2)
+    return fail(ErrorCode::InvalidArgument, "one camera alone has no time offset to another");
+  if (static_cast<int>(frames.size()) < kFewestFrames)
+    return fail(ErrorCode::InvalidArgument,
+                text("time offsets need ", kFewestFrames, " frames in a row at least, not ", frames.size()));
+  std::vector<Track> tracks = all_tracks(rig, frames, options);
+  const std::vector<int> whole = whole_frames_apart(rig, tracks);
+  if (std::all_of(whole.begin(), whole.end(), [](int offset) { return offset == 0; }))
+    return measure_fractions(rig, frames, whole, std::move(tracks), options.quick);
+  const std::vector<std::vector<Silhouette>> together = at_their_instants(frames, whole);
+  TimeOffsets out =
+      measure_fractions(rig, together, whole, all_tracks(rig, together, options), options.quick);
+  for (std::size_t c = 0; c < whole.size() && out.reference >= 0; ++c)
+    if (out.cameras[c].measured)
+      out.cameras[c].frames += whole[c] - whole[static_cast<std::size_t>(out.reference)];
   return out;
 }
 

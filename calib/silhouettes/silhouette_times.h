@@ -28,6 +28,13 @@ struct TimeOffsets {
   std::vector<TimeOffset> cameras;  ///< as in the rig
 };
 
+struct TimeOffsetOptions {
+  /// Only who is apart by some frames: of more than eight cameras not all pairs, and no tips inside of the
+  /// outlines. A tenth of the time of 31 cameras.
+  bool quick = false;
+  int threads = 1;  ///< 0: one per core; the result is the same at any number
+};
+
 /// Offsets between cameras that run freely at one rate, from how silhouettes move. The outermost epipolar
 /// tangents of a pair of cameras lie in one plane at any one instant; of a pair that is
 /// apart in time, each follows the other by that time. `frames[k][i]`: camera i's k-th picture of a take,
@@ -36,8 +43,10 @@ struct TimeOffsets {
 /// knees) that the first offsets tell to be one. Take a second and a half of motion or more (45 frames): one
 /// leaves errors of up to a tenth of a frame (and says so in sigma). Only motion counts; a camera whose
 /// tangents lie farther from the others' at all times than theirs do from one another has a pose that is off,
-/// which pretends offsets: it is not measured, and says why. Offsets of up to two frames. InvalidArgument
+/// which pretends offsets: it is not measured, and says why. Offsets of up to two frames, and beyond them by
+/// whole_frames_apart(), where that tells them clearly. InvalidArgument
 /// when there are fewer than two cameras or twelve frames.
-Result<TimeOffsets> measure_time_offsets(const Rig& rig, std::span<const std::vector<Silhouette>> frames);
+Result<TimeOffsets> measure_time_offsets(const Rig& rig, std::span<const std::vector<Silhouette>> frames,
+                                         const TimeOffsetOptions& options = {});
 
 }  // namespace floatstage::calib

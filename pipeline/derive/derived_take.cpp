@@ -3,17 +3,18 @@
 #include "pipeline/derive/derived_take.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "capture/added_file.h"
 #include "capture/derivation.h"
 #include "capture/sha256.h"
 #include "capture/sound/time_code.h"
-#include "capture/time_offsets.h"
 #include "core/file.h"
 #include "core/file_presence.h"
 #include "core/rig_io.h"
 #include "core/text.h"
 #include "pipeline/derive/carried_files.h"
+#include "pipeline/matte_record.h"
 #include "pipeline/occluders.h"
 #include "pipeline/unfinished_folder.h"
 
@@ -57,7 +58,9 @@ class Deriving {
   }
 
  private:
-  bool all() const { return other_.first == 0 && end_ == from_.frame_count(); }
+  bool all() const { return other_.first == 0 && end_ == from_.frame_count() && other_.moved.empty(); }
+
+  int moved(std::size_t camera) const { return other_.moved.empty() ? 0 : other_.moved[camera]; }
 
   Result<void> media(std::size_t c) {
     const TakeManifest::Camera& camera = manifest_.cameras[c];
@@ -70,8 +73,12 @@ class Deriving {
     if (all() && manifest_.complete) return share(side_file, to_.frames_csv(camera.serial), report_);
     const std::vector<FrameRow>& rows = from_.rows(static_cast<int>(c));
     std::string csv = frames_csv_header();
-    for (int i = other_.first; i < std::min(end_, static_cast<int>(rows.size())); ++i)
-      csv += to_csv(rows[static_cast<std::size_t>(i)]);
+    const std::int64_t later = moved(c) == 0 ? 0 : std::llround(moved(c) * 1e9 / manifest_.frame_rate);
+    for (int i = other_.first - moved(c); i < std::min(end_ - moved(c), static_cast<int>(rows.size())); ++i) {
+      FrameRow row = rows[static_cast<std::size_t>(i)];
+      row.info.exposure_start.ns += later;
+      csv += to_csv(row);
+    }
     for (TakeManifest::File& sealed : manifest_.files)
       if (sealed.name == side_file.filename().string()) {
         sealed.bytes = csv.size();
@@ -109,9 +116,13 @@ class Deriving {
                                      std::pair(occluder_file(from, c.serial), occluder_file(to_, c.serial))})
         if (Result<void> ok = share_if_there(file, to, report_); !ok) return ok;
     for (const auto& [file, to] : {std::pair(from.colors(), to_.colors()),
-                                   std::pair(capture::added_file(from), capture::added_file(to_)),
-                                   std::pair(capture::times_file(from), capture::times_file(to_))})
+                                   std::pair(capture::added_file(from), capture::added_file(to_))})
       if (Result<void> ok = share_if_there(file, to, report_); !ok) return ok;
+    const fs::path times = capture::times_file(to_);
+    if (Result<void> ok = other_.times ? capture::save_time_offsets(*other_.times, times)
+                                       : share_if_there(capture::times_file(from), times, report_);
+        !ok)
+      return ok;
     std::error_code error;
     const bool meshes = fs::is_directory(from.meshes(), error);
     if (all()) {
@@ -119,19 +130,43 @@ class Deriving {
       if (meshes) report_.notes.push_back("its hulls were left out: run `floatstage process` again");
       return {};
     }
-    bool some = false;
-    for (const RigCamera& c : from_.rig().cameras)
-      for (int f = other_.first; f < end_; ++f) {
-        some = some || is_there(from.matte(c.serial, f));
-        if (Result<void> ok =
-                share_if_there(from.matte(c.serial, f), to_.matte(c.serial, f - other_.first), report_);
-            !ok)
-          return ok;
-      }
-    if (some) report_.notes.push_back("its mattes came along as given ones: they are used as they are");
+    if (Result<void> ok = mattes_by_frame(); !ok) return ok;
     if (is_there(from.edits()))
       report_.notes.push_back(
           "corrections of mattes were left out, since their frames have other numbers now");
+    return {};
+  }
+
+  // Those of instants that come along, under their new numbers.
+  Result<void> mattes_by_frame() {
+    const TakeLayout& from = from_.layout();
+    MatteRecord ours;
+    if (!other_.moved.empty()) {
+      Result<MatteRecord> record = load_matte_record(from);
+      if (!record) return forward(record);
+      ours = *std::move(record);
+    }
+    bool some = false, left_out = false;
+    for (std::size_t c = 0; c < from_.rig().cameras.size(); ++c) {
+      const std::string& serial = from_.rig().cameras[c].serial;
+      const auto record = ours.find(serial);
+      for (int f = other_.first; f < end_; ++f) {
+        const int was = f - moved(c);
+        if (!is_there(from.matte(serial, was))) continue;
+        const bool stays = record != ours.end() && record->second.files.contains(was);
+        (stays ? left_out : some) = true;
+        if (stays) continue;
+        if (Result<void> ok =
+                share_if_there(from.matte(serial, was), to_.matte(serial, f - other_.first), report_);
+            !ok)
+          return ok;
+      }
+    }
+    if (some) report_.notes.push_back("its mattes came along as given ones: they are used as they are");
+    if (left_out)
+      report_.notes.push_back(
+          "mattes that were made with cameras of other instants were left out: run `floatstage process` "
+          "again");
     return {};
   }
 
@@ -152,6 +187,14 @@ Result<DerivedReport> derive_take(const capture::TakeReader& from, const Derived
     return fail(ErrorCode::InvalidArgument,
                 text("frames ", other.first, ":", end, " are not in ", from.layout().folder().string(),
                      ", which has ", from.frame_count()));
+  if (!other.moved.empty() && other.moved.size() != from.rig().cameras.size())
+    return fail(ErrorCode::InvalidArgument, text(other.moved.size(), " cameras' pictures to be moved, of ",
+                                                 from.rig().cameras.size(), " cameras"));
+  for (std::size_t c = 0; c < other.moved.size(); ++c)
+    if (other.first < other.moved[c] || end - other.moved[c] > from.frame_count())
+      return fail(ErrorCode::InvalidArgument,
+                  text("camera '", from.rig().cameras[c].serial, "' has no pictures for frames ", other.first,
+                       ":", end, " when they are moved by ", other.moved[c]));
   Result<UnfinishedFolder> take = UnfinishedFolder::begin(out);
   if (!take) return forward(take);
   Result<DerivedReport> report = Deriving(from, other, take->folder()).run();

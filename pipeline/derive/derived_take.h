@@ -8,6 +8,7 @@
 #include "capture/sound/sound_record.h"
 #include "capture/sound/time_code.h"
 #include "capture/take.h"
+#include "capture/time_offsets.h"
 #include "core/rig.h"
 
 namespace floatstage::pipeline {
@@ -26,6 +27,10 @@ struct DerivedTake {
   std::string label;        ///< empty: as it was
   std::optional<capture::TimeCode> time_code = {};  ///< absent: as it was
   std::optional<AddedSound> sound = {};             ///< becomes the first track: what is heard
+  /// By camera, by how many frames its pictures are moved to later instants; empty: none is. Its stamps are
+  /// moved along by the take's frame rate, and mattes that we made are left out.
+  std::vector<int> moved = {};
+  std::optional<capture::TimeOffsetFile> times = {};  ///< absent: as they were
 };
 
 struct DerivedReport {
@@ -37,8 +42,8 @@ struct DerivedReport {
 /// Makes `out`, a take with the media of `from`: the same files under a second name (hard links), or copies
 /// where the file system cannot, so that nothing is decoded and either may be removed. Mattes, plates and
 /// colours come along; hulls do not, unless rig and instants are the same. A seal stays whole. AlreadyExists
-/// and Io as of UnfinishedFolder; InvalidArgument for instants that are not there or another rig than
-/// `from`'s cameras. Nothing is left behind when it fails.
+/// and Io as of UnfinishedFolder; InvalidArgument for instants that are not there, also of a camera whose
+/// pictures are moved, or another rig than `from`'s cameras. Nothing is left behind when it fails.
 Result<DerivedReport> derive_take(const capture::TakeReader& from, const DerivedTake& other,
                                   const std::filesystem::path& out);
 

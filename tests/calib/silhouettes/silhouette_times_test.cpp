@@ -1,5 +1,6 @@
 #include "calib/silhouettes/silhouette_times.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -96,6 +97,34 @@ TEST(SilhouetteTimes, FindThemInEveryWindowWithAnHonestSigma) {
     EXPECT_GT(honesty.usual(), 0.7);
     EXPECT_LT(honesty.usual(), 1.4);
   }
+}
+
+// As where cameras are started by hand: two late by whole seconds' parts, one early.
+TEST(SilhouetteTimes, FindCamerasThatAreManyFramesApart) {
+  constexpr int kFirst = 8;  // of the frames that are left
+  constexpr std::array kApart = {0, -7, 0, 5, 0};
+  const Frames all = performed(kSure + 2 * kFirst);
+  for (const bool quick : {false, true}) {
+    Frames apart(kSure, std::vector<Silhouette>(kCameras));
+    for (std::size_t k = 0; k < apart.size(); ++k)
+      for (std::size_t c = 0; c < kCameras; ++c)
+        apart[k][c] = all[k + static_cast<std::size_t>(kFirst + kApart[c])][c];
+    const Result<TimeOffsets> found = measure_time_offsets(ring(), apart, {.quick = quick, .threads = 2});
+    ASSERT_THAT(found, IsOk());
+    for (std::size_t c = 0; c < kCameras; ++c) {
+      ASSERT_TRUE(found->cameras[c].measured) << c << ": " << found->cameras[c].not_measured;
+      EXPECT_NEAR(found->cameras[c].frames, kApart[c] + 0.01 * kLate[c], quick ? 0.2 : 0.05) << c;
+    }
+    EXPECT_EQ(found->reference, 0);
+  }
+}
+
+TEST(SilhouetteTimes, TheSameAtAnyNumberOfThreads) {
+  const Result<TimeOffsets> one = measure_time_offsets(ring(), a_second(), {.threads = 1}),
+                            four = measure_time_offsets(ring(), a_second(), {.threads = 4});
+  ASSERT_THAT(one, IsOk());
+  ASSERT_THAT(four, IsOk());
+  for (std::size_t c = 0; c < kCameras; ++c) EXPECT_EQ(one->cameras[c].frames, four->cameras[c].frames) << c;
 }
 
 // A turn is no time: it is said, and the others are measured without that camera.
