@@ -75,6 +75,7 @@ nlohmann::json to_json(const std::filesystem::path& take, const pipeline::Proces
           {"doubts", doubts_json(report.doubts)},
           {"healed", healed_json(report.healed)},
           {"silhouettes", to_json(report.faults)},
+          {"camera_doubts", report.camera_doubts},
           {"poses", report.pose_doubts},
           {"contradictory_frames", report.contradictory_frames},
           {"cut_frames", report.cut_frames},
@@ -86,6 +87,8 @@ nlohmann::json to_json(const std::filesystem::path& take, const pipeline::Proces
 // What was made, and on the error's stream what is wrong with it.
 void say(const std::filesystem::path& take, const pipeline::ProcessReport& report) {
   for (const std::string& r : report.remarks) log::warning(r);
+  for (const std::string& doubt : report.camera_doubts)
+    std::fprintf(stderr, "floatstage: %s\n", doubt.c_str());
   for (const pipeline::StageReport* stage : {&report.mattes, &report.meshes})
     for (const std::string& f : stage->failures) std::fprintf(stderr, "floatstage: %s\n", f.c_str());
   for (const pipeline::MatteDoubt& d : report.doubts)

@@ -110,8 +110,15 @@ json to_json(const pipeline::SilhouetteCheck& check, const std::vector<Eigen::Ve
     }
     cameras.push_back(std::move(j));
   }
+  json misplaced = json::array();
+  for (const pipeline::MisplacedCamera& one : check.misplaced)
+    misplaced.push_back({{"serial", check.cameras[one.camera].serial},
+                         {"stands_at", check.cameras[one.place].serial},
+                         {"pictures", pipeline::name_of(one.flip)},
+                         {"iou", {{"before", one.iou}, {"after", one.iou_there}}}});
   json out = {{"frames", frames},
               {"cameras", cameras},
+              {"misplaced", misplaced},
               {"no_camera_explains_it", check.whole_rig},
               {"usual_degrees", check.usual_degrees},
               {"sentences", pipeline::sentences(check)}};
@@ -132,14 +139,22 @@ void print(const pipeline::SilhouetteCheck& check, double alarm) {
           c.serial.c_str(), c.before.points);
   const bool any =
       std::any_of(check.cameras.begin(), check.cameras.end(), [](const auto& c) { return c.named; });
-  if (!any && !check.whole_rig)
+  if (!any && !check.whole_rig && check.misplaced.empty())
     std::printf(
         "no camera is seen to stand otherwise than calibrated by more than %g degrees (usually %.3f)\n",
         alarm, check.usual_degrees);
 }
 
 Result<void> save_corrected(const pipeline::SilhouetteCheck& check, const std::filesystem::path& file) {
-  if (std::none_of(check.cameras.begin(), check.cameras.end(), [](const auto& c) { return c.named; })) {
+  const bool mirrored = std::any_of(check.misplaced.begin(), check.misplaced.end(), [](const auto& c) {
+    return c.flip == pipeline::PictureFlip::Mirrored || c.flip == pipeline::PictureFlip::MirroredUpsideDown;
+  });
+  if (mirrored)
+    return fail(
+        ErrorCode::Unsupported,
+        text(file.string(), " is not written: no rig has mirrored pictures; import them mirrored back"));
+  if (check.misplaced.empty() &&
+      std::none_of(check.cameras.begin(), check.cameras.end(), [](const auto& c) { return c.named; })) {
     std::printf("%s is not written: there is nothing to correct\n", file.c_str());
     return {};
   }
@@ -188,12 +203,13 @@ void add_calibrate_silhouettes(CLI::App& calibrate, Chosen& chosen) {
   auto options = std::make_shared<SilhouettesArguments>();
   CLI::App* verb =
       add_verb(calibrate, chosen, "silhouettes",
-               "Do the cameras' poses agree with their mattes? Names a camera that has turned",
+               "Do the cameras' poses agree with their mattes? Names a camera that has turned, or is another",
                {"floatstage calibrate silhouettes friday",
                 "floatstage calibrate silhouettes friday --reference monday.json -o corrected.json"});
   add_take(*verb, options->take);
-  add_out(*verb, options->out,
-          "Write a rig with the named cameras turned (a new file; the take keeps its own)");
+  add_out(
+      *verb, options->out,
+      "Write a rig with the named cameras turned, or in their places (a new file; the take keeps its own)");
   verb->add_option("--reference", options->reference,
                    "The --json report of an earlier take when all was well: what changed since is named")
       ->type_name("FILE");

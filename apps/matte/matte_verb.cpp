@@ -69,6 +69,7 @@ json to_json(const pipeline::MatteReport& report) {
           {"distrusted", report.distrusted},
           {"doubts", doubts_json(report.doubts)},
           {"healed", healed_json(report.healed)},
+          {"camera_doubts", report.camera_doubts},
           {"worst", worst}};
 }
 
@@ -123,6 +124,8 @@ Result<void> run_matte(const MatteArguments& given) {
   Result<pipeline::MatteReport> report = pipeline::matte_take(options);
   if (!report) return forward(report);
   report->remarks.insert(report->remarks.begin(), given.found.begin(), given.found.end());
+  for (const std::string& doubt : report->camera_doubts)
+    std::fprintf(stderr, "floatstage: %s\n", doubt.c_str());
   std::size_t failures = 0;
   for (const pipeline::CameraMattes& c : report->cameras) {
     std::printf("%s: %s by %s; %d made, %d kept, %d gaps", c.serial.c_str(), c.method.c_str(), c.key.c_str(),

@@ -314,6 +314,7 @@ Result<bool> MatteHealer::look(int frame, const recon::HullReport& hull, const r
   Result<recon::HullReport> now = recon::HullReport();
   if (*treated) now = recon::visual_hull(take_.rig(), mattes, quick);
   if (!now || (*treated && !recon::leaves_much_open(*now))) return treated;
+  if (const Result<bool> may = may_heal(); !may || !*may) return may;
   const Result<bool> weighed = weigh(frame, *treated ? *now : hull, quick, keys, mattes);
   if (!weighed) return forward(weighed);
   return *treated || *weighed;
@@ -325,6 +326,7 @@ Result<bool> MatteHealer::treat(int frame, const recon::HullReport& hull, const 
   Result<std::vector<Patient>> patients = this->patients(frame, hull, mattes, quick.threads);
   if (!patients) return forward(patients);
   if (patients->empty()) return false;
+  if (const Result<bool> may = may_heal(); !may || !*may) return may;
   Result<std::vector<Matte>> anew = cut_anew(frame, *patients, quick, mattes);
   if (!anew) return forward(anew);
   if (anew->empty()) return false;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -56,6 +57,10 @@ class MatteHealer {
   /// `take` outlives it. Errors: those of MatteStore::open().
   static Result<std::unique_ptr<MatteHealer>> open(capture::TakeReader& take);
 
+  /// Asked before any matte is looked at closer: whether what cameras show is evidence for one another. From
+  /// any thread.
+  void ask_first(std::function<Result<bool>()> may_heal) { may_heal_ = std::move(may_heal); }
+
   /// Whether all mattes of the instant that we made were compared with those that lie there now, of these
   /// hashes.
   bool compared(int frame, const MatteHashes& hashes);
@@ -92,12 +97,14 @@ class MatteHealer {
   Result<bool> weigh(int frame, const recon::HullReport& hull, const recon::HullOptions& quick,
                      const std::vector<bool>& by_key, std::vector<Matte>& mattes);
   Result<bool> replace(std::size_t camera, int frame, Healing healing, Matte anew, Matte& matte);
+  Result<bool> may_heal() { return may_heal_ ? may_heal_() : Result<bool>(true); }
   Result<bool> ours(const std::string& serial, int frame, bool there);
   bool by_colour(const std::string& serial, int frame);
   void hold(std::size_t camera, int frame, const Matte& matte, Matte& anew);
 
   capture::TakeReader& take_;
   std::unique_ptr<MatteStore> store_;
+  std::function<Result<bool>()> may_heal_;  // none: they are
   std::mutex mutex_;
   std::map<std::string, HealedCamera> healed_;
   std::set<std::string> touched_;  // cameras of whose record something is new

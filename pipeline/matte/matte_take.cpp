@@ -12,6 +12,7 @@
 #include "core/text.h"
 #include "pipeline/derived_files.h"
 #include "pipeline/matte/all_cameras_instead.h"
+#include "pipeline/matte/camera_doubts.h"
 #include "pipeline/matte/consistent_take.h"
 #include "pipeline/matte/heal_take.h"
 #include "pipeline/matte/matte_checks.h"
@@ -294,6 +295,10 @@ Result<void> heal_all(capture::TakeReader& take, const MatteTakeOptions& options
                       MatteReport& report) {
   std::vector<int> frames = options.frames;
   for (int f = 0; options.frames.empty() && f < take.frame_count(); ++f) frames.push_back(f);
+  Result<std::vector<std::string>> cameras = camera_doubts(take, frames, options.threads, options.progress);
+  if (!cameras) return forward(cameras);
+  report.camera_doubts = *std::move(cameras);
+  if (!report.camera_doubts.empty()) return {};
   Result<std::vector<HealedCamera>> healed = heal_take(take, frames, options.threads, options.progress);
   if (!healed) return forward(healed);
   report.healed = std::move(*healed);

@@ -76,6 +76,8 @@ struct MatteReport {
   int distrusted = 0;                             ///< likewise: instants whose mattes are probably wrong
   std::vector<MatteDoubt> doubts;    ///< of the frames asked for, made now or before; most cameras first
   std::vector<HealedCamera> healed;  ///< in this run, worst camera first
+  std::vector<std::string>
+      camera_doubts;  ///< with `heal`: see pipeline::camera_doubts(); then none is healed
   int made = 0;
   double seconds = 0;            ///< of making mattes, the hull check left out
   double seconds_per_frame = 0;  ///< of wall time, a photograph made in this run; 0 when none was

@@ -21,6 +21,7 @@
 #include "pipeline/hull_inside_bars.h"
 #include "pipeline/hull_record.h"
 #include "pipeline/made_files.h"
+#include "pipeline/matte/camera_doubts.h"
 #include "pipeline/matte/contradiction.h"
 #include "pipeline/matte/heal_mattes.h"
 #include "pipeline/occluders.h"
@@ -202,6 +203,7 @@ class MeshMaker {
   Result<void> run(const std::vector<int>& frames, ProcessReport& report) {
     if (Result<void> ok = make_folder(take_.layout().meshes()); !ok) return forward(ok);
     record_.options = describe(hull_);
+    frames_ = frames;
     if (Result<void> ok = save_mesh_record(record_, take_.layout()); !ok) return forward(ok);
     journal_.remove();
     hull_.quality_step = 4;                   // the rows between tell the same
@@ -210,6 +212,7 @@ class MeshMaker {
     Result<std::unique_ptr<MatteHealer>> healer = MatteHealer::open(take_);
     if (!healer) return forward(healer);
     healer_ = std::move(*healer);
+    healer_->ask_first([this] { return cameras_agree(); });
     Result<capture::AddedFile> added = capture::load_added(take_.layout());
     if (!added) return forward(added);
     added_ = std::move(*added);
@@ -235,6 +238,10 @@ class MeshMaker {
       progress.advance();
     });
     writers.finish();
+    const bool any_made =
+        std::any_of(hulls.begin(), hulls.end(), [](const auto& hull) { return hull.has_value(); });
+    if ((any_made || options_.gathered) && !collector_.stopped())
+      if (const Result<bool> agree = cameras_agree(); !agree) return forward(agree);
     for (std::size_t i = 0; i < frames.size(); ++i) {
       if (others_[i]) record_.meshes.erase(frames[i]);
       if (!hulls[i]) continue;
@@ -249,6 +256,7 @@ class MeshMaker {
     Result<std::vector<HealedCamera>> healed = healer_->finish();
     if (!healed) return forward(healed);
     report.healed = std::move(*healed);
+    if (camera_doubts_) report.camera_doubts = *camera_doubts_;
     const fs::path pictures = take_.layout().meshes() / "faults";
     if (Result<void> ok = evidence_.save(take_, pictures); !ok) return ok;
     HullDoubts doubts = doubts_in(record_.reports, pictures);
@@ -348,6 +356,15 @@ class MeshMaker {
     return make_mesh(take_.rig(), mattes, added_, hull_, slot);
   }
 
+  /// Whether all cameras' pictures are what rig and clock say; else they are no evidence to cut mattes by.
+  Result<bool> cameras_agree() {
+    std::call_once(asked_, [&] {
+      if (everybody()) camera_doubts_ = camera_doubts(take_, frames_, options_.threads, options_.progress);
+    });
+    if (!camera_doubts_) return forward(camera_doubts_);
+    return camera_doubts_->empty();
+  }
+
   /// Frames whose mesh holds no subject, whenever it was made. Those that somebody put there are read: the
   /// record tells nothing of them.
   int count_empty(const std::vector<int>& frames) const {
@@ -376,6 +393,9 @@ class MeshMaker {
   HullWorkspaces workspaces_;
   EvidenceCollector evidence_;
   std::unique_ptr<MatteHealer> healer_;
+  std::vector<int> frames_;
+  std::once_flag asked_;
+  Result<std::vector<std::string>> camera_doubts_ = std::vector<std::string>();
   std::vector<char> others_;  // by item: the mesh is somebody else's
 };
 

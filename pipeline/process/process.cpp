@@ -126,7 +126,8 @@ Result<ProcessReport> process_take(const ProcessOptions& options) {
   forget_failures(report);
   if (options.labels.everybody())
     if (Result<void> ok = divide(take, options, report); !ok) return forward(ok);
-  if (options.labels.everybody() && (report.meshes.made > 0 || options.gathered)) {
+  if (options.labels.everybody() && report.camera_doubts.empty() &&
+      (report.meshes.made > 0 || options.gathered)) {
     Result<std::vector<std::string>> doubts = pose_doubts(take, frames, options.threads, options.progress);
     if (!doubts) return forward(doubts);
     report.pose_doubts = *std::move(doubts);

@@ -53,8 +53,11 @@ struct ProcessReport {
   std::vector<MatteDoubt> doubts = {};     ///< MatteReport::doubts, and of all meshes: contradiction_in()
   std::vector<HealedCamera> healed = {};   ///< mattes that were made again in this run, worst camera first
   // Of all meshes, also of those that were there:
-  std::vector<SilhouetteFault> faults = {};   ///< what a matte lacks was overruled by the others
-  std::vector<std::string> pose_doubts = {};  ///< of this run's frames, see pipeline::pose_doubts()
+  std::vector<SilhouetteFault> faults = {};     ///< what a matte lacks was overruled by the others
+  std::vector<std::string> camera_doubts = {};  ///< where meshes were made: pipeline::camera_doubts()
+  /// Of this run's frames, see pipeline::pose_doubts(); none where times are in doubt, as those of a turned
+  /// camera look.
+  std::vector<std::string> pose_doubts = {};
   int contradictory_frames = 0;  ///< hulls not to be trusted, see recon::HullReport::contradictory
   int poor_frames = 0;  ///< hulls that leave much of most silhouettes open, see recon::poorly_covered()
   int cut_frames = 0;   ///< hulls cut by the sides of the volume
@@ -74,7 +77,8 @@ MatteTakeOptions matte_options(const ProcessOptions& options);
 /// A file exists only when it is whole; one of unknown origin is used and never touched. Frames are
 /// independent and run in parallel. One bad frame does not stop the others: it is reported, and the result is
 /// an error only when nothing can go on (unwritable, disk full, other options than before without `redo`).
-/// Mattes of ours that the others contradict are cut anew by the others' evidence (MatteHealer); silhouettes
+/// Mattes of ours that the others contradict are cut anew by the others' evidence (MatteHealer), unless a
+/// camera's pictures show other instants; silhouettes
 /// that they contradict still are named, with pictures in meshes/faults. Where labels were given, mattes are
 /// divided among them anew when they have changed (label_take()).
 Result<ProcessReport> process_take(const ProcessOptions& options);

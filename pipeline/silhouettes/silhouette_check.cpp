@@ -200,11 +200,18 @@ std::string fixed(double value, int digits) {
 
 }  // namespace
 
-Result<SilhouetteCheck> check_silhouettes(const Rig& rig, const std::vector<InstantMattes>& instants,
+Result<SilhouetteCheck> check_silhouettes(const Rig& given, const std::vector<InstantMattes>& instants,
                                           const SilhouetteCheckOptions& options) {
-  if (Result<void> ok = check(rig, instants, options); !ok) return forward(ok);
-  Found found = find(rig, instants, options);
+  if (Result<void> ok = check(given, instants, options); !ok) return forward(ok);
+  std::vector<MisplacedCamera> misplaced;
+  if (!options.quick) misplaced = misplaced_cameras(given, instants, options.threads);
+  const std::optional<Rig> in_place = with_cameras_in_place(given, misplaced);
+  const Rig& rig = in_place ? *in_place : given;
   std::vector<InstantMattes> good = instants;
+  if (!in_place)
+    for (InstantMattes& mattes : good)
+      for (const MisplacedCamera& one : misplaced) mattes[one.camera] = Matte{};
+  Found found = find(rig, good, options);
   const std::vector<bool>& named = found.state.named;
   std::vector<int> wrong(rig.cameras.size(), 0);
   if (!options.quick || std::find(named.begin(), named.end(), true) != named.end())
@@ -218,6 +225,7 @@ Result<SilhouetteCheck> check_silhouettes(const Rig& rig, const std::vector<Inst
                 text("not measured: only ", known, " cameras show a subject that the others bound; ",
                      kFewestCameras, " are needed"));
   SilhouetteCheck out;
+  out.misplaced = std::move(misplaced);
   out.corrected = found.state.rig;
   out.whole_rig = found.whole_rig;
   out.usual_degrees = found.usual_degrees;
@@ -245,6 +253,7 @@ std::string sentence(const SilhouetteCameraCheck& c) {
 
 std::vector<std::string> sentences(const SilhouetteCheck& check) {
   std::vector<std::string> out;
+  for (const MisplacedCamera& c : check.misplaced) out.push_back(sentence(check.corrected, c));
   for (const SilhouetteCameraCheck& c : check.cameras)
     if (c.named) out.push_back(sentence(c));
   for (const SilhouetteCameraCheck& c : check.cameras)

@@ -9,6 +9,7 @@
 #include "core/rig.h"
 #include "pipeline/progress.h"
 #include "pipeline/silhouettes/left_out_hulls.h"
+#include "pipeline/silhouettes/misplaced_cameras.h"
 
 namespace floatstage::pipeline {
 
@@ -17,7 +18,7 @@ struct SilhouetteCheckOptions {
   /// By camera, the turn that was measured when all was well (SilhouetteCameraCheck::before): what outlines
   /// and lenses contribute, which is nobody's drift. Empty: none.
   std::vector<Eigen::Vector3d> reference = {};
-  /// Only who is to be named: against fewer hulls, by fewer points, and without asking which mattes are wrong
+  /// Only who has turned: against fewer hulls, by fewer points, and without asking which mattes are wrong
   /// where nobody is. A fifth of the time of 27 cameras; what is corrected may be off by 0.06 degrees.
   bool quick = false;
   int threads = 0;  ///< 0: one per core; the result is the same at any number
@@ -36,7 +37,9 @@ struct SilhouetteCameraCheck {
 
 struct SilhouetteCheck {
   std::vector<SilhouetteCameraCheck> cameras;  ///< as in the rig
-  Rig corrected;                               ///< named cameras turned; the others as they were
+  /// Cameras whose pictures are another's, or upside down or mirrored. Not asked quickly.
+  std::vector<MisplacedCamera> misplaced;
+  Rig corrected;  ///< misplaced cameras where they stand, named ones turned; the others as they were
   /// Some cameras disagree, and no turn of one explains it: that is the calibration as a whole (lenses,
   /// principal points) or the mattes.
   bool whole_rig = false;
@@ -60,7 +63,8 @@ Result<SilhouetteCheck> check_silhouettes(const Rig& rig, const std::vector<Inst
 /// Of a camera that is named: "camera 'x' stands otherwise than its calibration says: …".
 std::string sentence(const SilhouetteCameraCheck& named);
 
-/// For people: the cameras that are named first, then mattes, then the rig as a whole.
+/// For people: the cameras that are misplaced, then those that are named, then mattes, then the rig as a
+/// whole.
 std::vector<std::string> sentences(const SilhouetteCheck& check);
 
 }  // namespace floatstage::pipeline
