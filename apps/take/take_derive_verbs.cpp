@@ -133,7 +133,8 @@ void add_take_derivations(CLI::App& take, Chosen& chosen) {
   add_take(*verb, timed->take);
   add_out(*verb, timed->out, "The new take's folder; it shares the media")->required();
   verb->add_option("--times", timed->times,
-                   "What `calibrate times` wrote (default: the take's own times.json)");
+                   "What `calibrate times` wrote (default: the take's own times.json)")
+      ->type_name("FILE");
   add_json(*verb, timed->json);
   verb->callback([timed, &chosen] { chosen.run = [timed] { return set_times(*timed); }; });
 

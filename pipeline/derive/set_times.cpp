@@ -54,11 +54,10 @@ Result<SetTimesReport> set_times(const capture::TakeReader& take, const capture:
     first = std::max(first, whole), end = std::min(end, take.frame_count() + std::min(whole, 0));
     left.cameras[static_cast<std::size_t>(one - times.cameras.data())].offset->count -=
         std::llround(whole * period);
-    report.sentences.push_back(text("camera '", camera.serial, "' was ", hundredths(std::abs(frames)),
-                                    " frames ", whole < 0 ? "behind" : "ahead of",
-                                    " the others: its pictures moved by ", std::abs(whole),
-                                    whole < 0 ? " to earlier" : " to later", " instants, ",
-                                    hundredths(std::abs(frames - whole)), " are left"));
+    report.sentences.push_back(
+        text("camera '", camera.serial, "' was ", hundredths(std::abs(frames)), " frames ",
+             whole < 0 ? "behind" : "ahead of", " the others; its pictures moved ", std::abs(whole),
+             whole < 0 ? " earlier, " : " later, ", hundredths(std::abs(frames - whole)), " are left"));
   }
   if (report.sentences.empty())
     return fail(

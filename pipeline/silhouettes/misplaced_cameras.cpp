@@ -22,19 +22,15 @@ constexpr double kHullExplains =
 constexpr double kLeftUnexplained = 0.5;  // of what the hull of all does not explain, so much at most is left
 constexpr double kWorthIt = 0.8;          // by each of several guesses
 constexpr double kCoarse = 1;             // px: of outlines, where shares of silhouettes are asked
+constexpr int kRowStep = 4;               // rows of pictures: those between tell the same
 constexpr double kHardly = 0.05;          // of IoU, more than that elsewhere: looked at more closely
 constexpr std::array kFlips = {PictureFlip::UpsideDown, PictureFlip::Mirrored,
                                PictureFlip::MirroredUpsideDown};
 
-double overlap(const Matte& a, const Matte& b) {
-  if (a.width != b.width || a.height != b.height) return 0;
-  long both = 0, either = 0;
-  for (int y = 0; y < a.height; ++y)
-    for (int x = 0; x < a.width; ++x) {
-      const bool in_a = a.row(y)[x] > 127, in_b = b.row(y)[x] > 127;
-      both += in_a && in_b, either += in_a || in_b;
-    }
-  return either == 0 ? 0 : static_cast<double>(both) / static_cast<double>(either);
+// Of a matte with what the others leave, seen by a camera.
+double overlap(const recon::MeshSilhouettes& hull, const RigCamera& camera, const Matte& matte) {
+  const bool same_size = camera.model.width == matte.width && camera.model.height == matte.height;
+  return same_size ? hull.iou(camera, matte, kRowStep) : 0;
 }
 
 Matte flipped_as(const Matte& matte, PictureFlip flip) {
@@ -68,7 +64,7 @@ recon::MeshSilhouettes silhouettes_of(const Rig& rig, const InstantMattes& matte
 double explained(const Rig& rig, const std::vector<InstantMattes>& instants, int threads) {
   recon::HullOptions options = silhouette_hull_options(true);
   options.contour_tolerance = kCoarse;
-  options.quality_step = 4;
+  options.quality_step = kRowStep;
   std::vector<double> sums(instants.size(), 0.0), counts(instants.size(), 0.0);
   parallel_for(instants.size(), threads, [&](std::size_t i) {
     const Result<recon::HullReport> hull = recon::visual_hull(rig, instants[i], options);
@@ -97,7 +93,7 @@ class Instant {
     const recon::MeshSilhouettes hull = silhouettes_of(rig_, mattes_, options);
     std::vector<double> out(mattes_.size(), 1.0);
     for (std::size_t c = 0; c < mattes_.size(); ++c)
-      if (!mattes_[c].empty()) out[c] = hull.empty() ? 0 : overlap(hull.of(rig_.cameras[c]), mattes_[c]);
+      if (!mattes_[c].empty()) out[c] = hull.empty() ? 0 : overlap(hull, rig_.cameras[c], mattes_[c]);
     return out;
   }
 
@@ -149,15 +145,13 @@ Fits fits_of(const Rig& rig, const std::vector<Instant>& instants, const std::ve
                [&](std::size_t i) { hulls[i] = instants[i].hull_without(suspects); });
   for (std::size_t i = 0; i < instants.size(); ++i) {
     if (hulls[i].empty()) continue;
-    std::vector<Matte> silhouettes(n);
-    parallel_for(n, threads, [&](std::size_t s) { silhouettes[s] = hulls[i].of(rig.cameras[suspects[s]]); });
     parallel_for(n, threads, [&](std::size_t s) {
       const Matte& matte = instants[i].matte(suspects[s]);
       if (matte.empty()) return;
       ++seen[s];
-      for (std::size_t p = 0; p < n; ++p) fits.at[s][p] += overlap(matte, silhouettes[p]);
+      for (std::size_t p = 0; p < n; ++p) fits.at[s][p] += overlap(hulls[i], rig.cameras[suspects[p]], matte);
       for (std::size_t t = 0; t < kFlips.size(); ++t)
-        fits.flipped[s][t] += overlap(flipped_as(matte, kFlips[t]), silhouettes[s]);
+        fits.flipped[s][t] += overlap(hulls[i], rig.cameras[suspects[s]], flipped_as(matte, kFlips[t]));
     });
   }
   for (std::size_t s = 0; s < n; ++s) {
