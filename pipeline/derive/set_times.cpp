@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iomanip>
 #include <optional>
-#include <sstream>
 
 #include "core/statistics.h"
 #include "core/text.h"
@@ -14,11 +13,7 @@ namespace {
 
 constexpr double kMostFrames = 1e6;  // of an offset: more than any take has
 
-std::string hundredths(double value) {
-  std::ostringstream s;
-  s << std::fixed << std::setprecision(2) << value;
-  return s.str();
-}
+std::string hundredths(double value) { return text(std::fixed, std::setprecision(2), value); }
 
 const capture::CameraTimeOffset* time_of(const capture::TimeOffsetFile& times, const std::string& serial) {
   const auto found = std::find_if(times.cameras.begin(), times.cameras.end(),

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iomanip>
 #include <optional>
-#include <sstream>
 
 #include "core/statistics.h"
 #include "core/text.h"
@@ -32,11 +31,7 @@ std::vector<int> in_a_row(const std::vector<int>& frames, std::size_t enough) {
   return {first, first + static_cast<std::ptrdiff_t>(some)};
 }
 
-std::string digits_of(double value, int digits) {
-  std::ostringstream s;
-  s << std::fixed << std::setprecision(digits) << value;
-  return s.str();
-}
+std::string tenths(double value) { return text(std::fixed, std::setprecision(1), value); }
 
 // By how many frames a camera is apart from most; nothing where that is not known.
 std::vector<std::optional<double>> apart_from_most(const calib::TimeOffsets& times) {
@@ -89,8 +84,8 @@ Result<std::vector<std::string>> time_doubts(const capture::TakeReader& take, co
     const calib::TimeOffset& one = times->offsets.cameras[c];
     if (!apart[c] || std::abs(*apart[c]) < kApart || !is_sure(*apart[c], one)) continue;
     doubts.push_back(text(
-        "camera '", cameras[c].serial, "' is ", digits_of(std::abs(*apart[c]), 1), " +- ",
-        digits_of(std::max(one.sigma_frames, 0.05), 1), " frames ", *apart[c] < 0 ? "behind" : "ahead of",
+        "camera '", cameras[c].serial, "' is ", tenths(std::abs(*apart[c])), " +- ",
+        tenths(std::max(one.sigma_frames, 0.05)), " frames ", *apart[c] < 0 ? "behind" : "ahead of",
         " the others, so that what moves is cut and drawn beside where it was; `floatstage "
         "calibrate times ",
         name, "` and `floatstage take set-times ", name, " -o NEW` bring its pictures to their instants"));
